@@ -1,0 +1,26 @@
+"""The analytic elastodynamic model of R-P-S parallel manipulators: numpy and scipy only."""
+
+from analytic.errors import InputError
+from analytic.limbs import Limbs, limbs_at
+from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
+from analytic.modes import STATIONS, Modes
+from analytic.pose import Pose, position
+from analytic.substructure import Substructure
+from analytic.theory import Theory
+
+__all__ = [
+    "STATIONS",
+    "InputError",
+    "Limb",
+    "Limbs",
+    "Material",
+    "Mechanism",
+    "Modes",
+    "Platform",
+    "Pose",
+    "Rod",
+    "Substructure",
+    "Theory",
+    "limbs_at",
+    "position",
+]

@@ -1,0 +1,49 @@
+"""The one way this bench refuses a bad argument."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+
+class InputError(ValueError):
+    """A bad argument, said in one sentence: its name, its value and what was expected."""
+
+    def __init__(self, argument: str, value: object, expected: str) -> None:
+        super().__init__(f"{argument} = {_shown(value)}: expected {expected}")
+
+
+def _shown(value: object) -> str:
+    text = str(value) if isinstance(value, (int, float, np.number)) else repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def number(argument: str, value: Any, expected: str, *, positive: bool = False) -> float:
+    """Return `value` as a finite float (above zero if `positive`), or raise `InputError`."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise InputError(argument, value, expected) from None
+    if isinstance(value, (bool, str)) or not math.isfinite(result) or (positive and result <= 0):
+        raise InputError(argument, value, expected)
+    return result
+
+
+def count(argument: str, value: Any, *, at_least: int = 1) -> int:
+    """Return `value` as a whole number of at least `at_least`, or raise `InputError`."""
+    if isinstance(value, (bool, str)) or not isinstance(value, (int, np.integer)):
+        raise InputError(argument, value, f"a whole number of at least {at_least}")
+    if value < at_least:
+        raise InputError(argument, value, f"a whole number of at least {at_least}")
+    return int(value)
+
+
+def vector(argument: str, value: Any, expected: str) -> tuple[float, float, float]:
+    """Return `value` as three finite floats, or raise `InputError`."""
+    try:
+        x, y, z = (float(component) for component in value)
+    except (TypeError, ValueError):
+        raise InputError(argument, value, expected) from None
+    if not all(map(math.isfinite, (x, y, z))):
+        raise InputError(argument, value, expected)
+    return x, y, z

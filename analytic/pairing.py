@@ -1,0 +1,103 @@
+"""Which mode is which: the modal assurance criterion, with repeated modes as subspaces."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from analytic.limbs import limbs_at
+from analytic.mechanism import Mechanism
+from analytic.modes import STATIONS, Modes
+from analytic.pose import Pose
+from analytic.substructure import platform_mass
+
+REPEATED = 1e-3
+"""Modes closer than this, relative, are compared as one subspace: a mesh may turn them within it
+(the paper's own finite elements split f1 = f2 of case 1 by 1e-4)."""
+TRUSTED = 0.8
+"""Below this assurance a pair is reported as doubtful."""
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """For each mode of the first model its partner in the second.
+
+    Attributes:
+        partner: index of the partner, shape (m,).
+        assurance: the pair's assurance criterion, 0..1, shape (m,).
+        matrix: assurance of every mode of the first against every one of the second, (m, k).
+    """
+
+    partner: NDArray[np.intp]
+    assurance: NDArray[np.float64]
+    matrix: NDArray[np.float64]
+
+    @property
+    def reordered(self) -> NDArray[np.bool_]:
+        """Where pairing by shape disagrees with pairing by order, shape (m,)."""
+        return np.asarray(self.partner != np.arange(len(self.partner)))
+
+    @property
+    def doubtful(self) -> NDArray[np.bool_]:
+        """Where no mode of the second model looks like this one, shape (m,)."""
+        return self.assurance < TRUSTED
+
+
+def pair(first: Modes, second: Modes, mechanism: Mechanism, pose: Pose) -> Pairing:
+    """Pair modes by shape: the assignment of largest total assurance.
+
+    The second model needs at least as many modes as the first; a mode more lets a pair that
+    crosses the end of the list be found. Ties (repeated modes) go by ascending frequency.
+    """
+    a, b = (mass_vectors(modes, mechanism, pose) for modes in (first, second))
+    matrix = assurance(a, b, second.frequencies)
+    rank = np.arange(matrix.shape[0])[:, None] - np.arange(matrix.shape[1])
+    _, partner = linear_sum_assignment(matrix - 1e-9 * rank**2, maximize=True)
+    return Pairing(partner, matrix[np.arange(len(partner)), partner], matrix)
+
+
+def assurance(
+    a: NDArray[np.float64], b: NDArray[np.float64], frequencies: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return (a_i . b_j)^2 / (a_i . a_i) (b_j . b_j), shape (m, k), for a (m, N) and b (k, N).
+
+    Where `frequencies` (k,) of b repeat, b_j is the whole subspace: |projection of a_i|^2. Modes
+    that do not move the centre lines (torsion of a limb) have assurance 1 with each other and 0
+    with all else.
+    """
+    still_a, still_b = (np.linalg.norm(v, axis=1) < 1e-3 for v in (a, b))
+    unit = a / np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
+    result = np.empty((len(a), len(b)))
+    for group in repeated(frequencies):
+        basis, singular, _ = np.linalg.svd(b[group].T, full_matrices=False)
+        basis = basis[:, singular > 1e-6 * max(singular[0], 1e-300)]
+        result[:, group] = ((unit @ basis) ** 2).sum(axis=1)[:, None]
+    result[still_a] = 0.0
+    result[:, still_b] = 0.0
+    result[np.ix_(still_a, still_b)] = 1.0
+    return result
+
+
+def repeated(frequencies: NDArray[np.float64]) -> list[slice]:
+    """Return slices of ascending `frequencies` that lie within `REPEATED` of their neighbour."""
+    breaks = np.flatnonzero(np.diff(frequencies) > REPEATED * np.abs(frequencies[1:])) + 1
+    edges = [0, *breaks.tolist(), len(frequencies)]
+    return [slice(start, stop) for start, stop in pairwise(edges)]
+
+
+def mass_vectors(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
+    """Return shapes (m, N) whose dot product is the centre lines' and platform's mass product.
+
+    Simpson's rule over the stations with each rod's mass, and M_p of Eq. (7) for the platform.
+    """
+    simpson = np.ones(len(STATIONS))
+    simpson[1:-1:2], simpson[2:-1:2] = 4, 2
+    simpson /= simpson.sum()
+    rods = [limb.rod for limb in mechanism.limbs]
+    per_length = np.array([rod.material.density * rod.area for rod in rods])
+    mass = per_length * limbs_at(mechanism, pose).lengths
+    weighted = modes.limbs * np.sqrt(mass[:, None] * simpson)[..., None]
+    platform = modes.platform @ np.linalg.cholesky(platform_mass(mechanism, pose))
+    return np.concatenate([platform, weighted.reshape(len(modes.frequencies), -1)], axis=1)

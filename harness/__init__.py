@@ -1,0 +1,1 @@
+"""Compare, store, draw and gate: the only layer with effects."""

@@ -1,0 +1,59 @@
+"""Two refinements of one model, extrapolated to none."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from analytic.errors import InputError
+from analytic.mechanism import Mechanism
+from analytic.modes import Modes
+from analytic.pairing import pair
+from analytic.pose import Pose
+
+if TYPE_CHECKING:
+    from reference_models.protocol import ReferenceModel
+
+
+@dataclass(frozen=True)
+class Richardson:
+    """f = f_fine + (f_fine - f_coarse) / (r^p - 1), with r the ratio of elements and p `order`.
+
+    Modes are paired by shape first; shapes are the finer model's. The extrapolation's own step is
+    given as the uncertainty.
+    """
+
+    coarse: "ReferenceModel"
+    fine: "ReferenceModel"
+    order: int
+
+    def __post_init__(self) -> None:
+        if not self.coarse.elements < self.fine.elements:
+            pair_of = (self.coarse.elements, self.fine.elements)
+            raise InputError("elements", pair_of, "two numbers, the smaller first")
+
+    @property
+    def elements(self) -> tuple[int, int]:
+        """The two numbers of elements."""
+        return self.coarse.elements, self.fine.elements
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
+        """Return the extrapolated modes; raises whatever the model itself raises."""
+        # One mode more from the coarse mesh: a crossing must not push a mode out of the list.
+        coarse = self.coarse.modes(mechanism, pose, count + 1)
+        fine = self.fine.modes(mechanism, pose, count)
+        ratio = self.fine.elements / self.coarse.elements
+        partner = pair(fine, coarse, mechanism, pose).partner
+        step = (fine.frequencies - coarse.frequencies[partner]) / (ratio**self.order - 1)
+        order = np.argsort(fine.frequencies + step)
+        return replace(
+            fine,
+            frequencies=(fine.frequencies + step)[order],
+            platform=fine.platform[order],
+            limbs=fine.limbs[order],
+            elements=self.elements,
+            residual=max(coarse.residual or 0.0, fine.residual or 0.0),
+            build_seconds=coarse.build_seconds + fine.build_seconds,
+            solve_seconds=coarse.solve_seconds + fine.solve_seconds,
+            uncertainty=np.abs(step)[order],
+        )

@@ -1,0 +1,35 @@
+"""Shared by all tests: one BLAS thread, and the poses everything is checked at."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from analytic import Mechanism, Pose
+
+# Small matrices on many BLAS threads are slower by orders of magnitude.
+_limits = threadpool_limits(1)
+
+
+@pytest.fixture(scope="session")
+def robot() -> Mechanism:
+    return Mechanism.paper()
+
+
+@pytest.fixture(scope="session")
+def case1() -> Pose:
+    return Pose(0.49)
+
+
+@pytest.fixture(scope="session")
+def case2() -> Pose:
+    return Pose(0.49, np.radians(10), np.radians(-12))
+
+
+def random_poses(count: int, seed: int) -> Pose:
+    """Poses across the workspace: z 0.35-0.7 m, any azimuth, tilt to 20 degrees."""
+    random = np.random.default_rng(seed)
+    return Pose(
+        z=random.uniform(0.35, 0.7, count),
+        azimuth=random.uniform(-np.pi, np.pi, count),
+        tilt=random.uniform(-np.radians(20), np.radians(20), count),
+    )
