@@ -8,6 +8,8 @@ from analytic.pose import Pose, position
 from analytic.substructure import Substructure
 from analytic.theory import Theory
 
+__version__ = "0.1.0"
+
 __all__ = [
     "STATIONS",
     "InputError",

@@ -1,6 +1,6 @@
 """What every model answers: natural frequencies, mode shapes and what they cost."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,17 @@ class Modes:
         sign = np.where(largest < 0, -1.0, 1.0)
         object.__setattr__(self, "platform", self.platform * sign)
         object.__setattr__(self, "limbs", self.limbs * sign[:, :, None, None])
+
+    def first(self, count: int) -> "Modes":
+        """Return the `count` lowest of these modes."""
+        uncertainty = None if self.uncertainty is None else self.uncertainty[:count]
+        return replace(
+            self,
+            frequencies=self.frequencies[:count],
+            platform=self.platform[:count],
+            limbs=self.limbs[:count],
+            uncertainty=uncertainty,
+        )
 
     @property
     def seconds(self) -> float:

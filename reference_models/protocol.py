@@ -23,14 +23,16 @@ class Info:
     """What is known of a model before it runs.
 
     Attributes: `theory` of its rods, in words; `program` and `version` it runs on; formal `order`
-    of convergence of its frequencies in the elements; a `remark` its users must know; `missing`:
-    why it cannot run here and what to do about it, empty if it can.
+    of convergence of its frequencies in the elements; `refinements`: the two numbers of elements
+    to extrapolate from when none is asked for; a `remark` its users must know; `missing`: why it
+    cannot run here and what to do about it, empty if it can.
     """
 
     theory: str
     program: str
     version: str
     order: int
+    refinements: tuple[int, int] = (8, 16)
     remark: str = ""
     missing: str = ""
 

@@ -1,0 +1,54 @@
+"""What the paper prints, and what is wrong with it: data under results/published."""
+
+import csv
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+# A wheel carries the data inside the package; a checkout has it under results/.
+_FOLDERS = (_HERE / "published_data", _HERE.parent / "results" / "published")
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One statement of the paper that cannot be taken as printed."""
+
+    id: str
+    where: str
+    statement: str
+    reading: str
+    evidence: str
+    command: str
+
+
+def _text(name: str) -> str:
+    folder = next(folder for folder in _FOLDERS if folder.is_dir())
+    return (folder / name).read_text(encoding="utf-8")
+
+
+@cache
+def table1() -> dict[tuple[str, str], tuple[float, ...]]:
+    """Return Table I: (case, "FEA" | "Theoretical" | "Error (%)") to f1..f6 [Hz or %]."""
+    rows = csv.DictReader(_text("table1.csv").splitlines())
+    return {
+        (row["case"], row["method"]): tuple(float(row[f"f{i}"]) for i in range(1, 7))
+        for row in rows
+    }
+
+
+@cache
+def figure3() -> dict[tuple[str, int, int], float]:
+    """Return the errors quoted for Fig. 3: (case, elements, mode) to percent."""
+    rows = csv.DictReader(_text("fig3.csv").splitlines())
+    return {
+        (row["case"], int(row["elements"]), int(row["mode"])): float(row["error_percent"])
+        for row in rows
+    }
+
+
+@cache
+def errata() -> tuple[Erratum, ...]:
+    """Return the errata list, in the order of the file."""
+    return tuple(Erratum(**entry) for entry in tomllib.loads(_text("errata.toml"))["erratum"])

@@ -1,0 +1,91 @@
+"""Runs models at cases; one failure costs its own result only."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+
+from analytic import Modes
+from analytic.pairing import Pairing, pair
+from harness.cases import Case
+from harness.models import Spec
+from reference_models import ModelError
+
+SPARE = 2
+"""Modes solved for beyond those asked for, so that a mode that changes places is still found."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """Modes of every model at every case, by (case name, model label); failures in words."""
+
+    cases: tuple[Case, ...]
+    specs: tuple[Spec, ...]
+    count: int
+    modes: dict[tuple[str, str], Modes]
+    failures: dict[tuple[str, str], str]
+
+    def get(self, case: Case, spec: Spec) -> Modes | None:
+        """Return the modes, or None where the model failed."""
+        return self.modes.get((case.name, spec.label))
+
+    def pairing(self, case: Case, theory: Spec, reference: Spec) -> Pairing | None:
+        """Return the partner in `reference` of each of the first `count` modes of `theory`."""
+        first, second = self.get(case, theory), self.get(case, reference)
+        if first is None or second is None:
+            return None
+        return pair(first.first(self.count), second, case.mechanism, case.pose)
+
+
+def run(
+    cases: Iterable[Case],
+    specs: Iterable[Spec],
+    count: int,
+    done: Callable[[str], None] = lambda _: None,
+) -> Study:
+    """Solve every case by every model; `done` hears of each. Raises for a pose out of reach."""
+    cases, specs = tuple(cases), tuple(dict.fromkeys(specs))
+    modes, failures = {}, {}
+    for spec in specs:
+        model = spec.build()
+        for case in cases:
+            key = (case.name, spec.label)
+            try:
+                modes[key] = model.modes(case.mechanism, case.pose, count + SPARE)
+            except ModelError as error:
+                failures[key] = str(error)
+            done(f"{spec.label} at {case.name}")
+    return Study(cases, specs, count, modes, failures)
+
+
+def rows(study: Study) -> list[dict[str, Any]]:
+    """Return one tidy row a case, model and mode, each with its provenance; SI units."""
+    result = []
+    for case in study.cases:
+        mechanism = sha256(repr(case.mechanism).encode()).hexdigest()[:12]
+        for spec in study.specs:
+            modes = study.get(case, spec)
+            if modes is None:
+                continue
+            for i in range(study.count):
+                uncertainty = modes.uncertainty
+                result.append(
+                    {
+                        "case": case.name,
+                        "mechanism": mechanism,
+                        "z_m": case.pose.z,
+                        "azimuth_rad": case.pose.azimuth,
+                        "tilt_rad": case.pose.tilt,
+                        "model": spec.label,
+                        "theory": modes.theory,
+                        "version": modes.version,
+                        "mode": i + 1,
+                        "frequency_hz": float(modes.frequencies[i]),
+                        "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
+                        "closure_m": modes.residual,
+                        "dofs": modes.dofs,
+                        "build_s": modes.build_seconds,
+                        "solve_s": modes.solve_seconds,
+                    }
+                )
+    return result

@@ -1,0 +1,87 @@
+"""A table people read: in the terminal, as Markdown, LaTeX and CSV, from the same cells."""
+
+import csv
+import io
+from dataclasses import dataclass
+
+import rich.table
+from rich.console import Group
+from rich.text import Text
+from tabulate import tabulate
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number shown with `digits` decimals (`signed`: always with its sign), stored in full."""
+
+    value: float
+    digits: int = 3
+    signed: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.value:{'+' if self.signed else ''}.{self.digits}f}"
+
+
+Cell = str | int | Number
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under columns, with a title and notes that say where the numbers come from."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    notes: tuple[str, ...] = ()
+
+    def _text(self) -> list[list[str]]:
+        return [[str(cell) for cell in row] for row in self.rows]
+
+    def _numeric(self) -> list[bool]:
+        """Return which columns hold numbers; these are set flush right."""
+        return [
+            any(isinstance(row[k], (int, Number)) for row in self.rows)
+            for k in range(len(self.columns))
+        ]
+
+    def _tabulated(self, style: str) -> str:
+        sides = ["right" if numeric else "left" for numeric in self._numeric()]
+        return tabulate(
+            self._text(), self.columns, tablefmt=style, colalign=sides, disable_numparse=True
+        )
+
+    def markdown(self) -> str:
+        """Return the table as GitHub-flavoured Markdown with title and notes."""
+        notes = "".join(f"- {note}\n" for note in self.notes)
+        body = f"## {self.title}\n\n{self._tabulated('github')}\n"
+        return f"{body}\n{notes}" if notes else body
+
+    def latex(self) -> str:
+        """Return a booktabs tabular; title and notes are comments above it."""
+        comments = "".join(f"% {line}\n" for line in (self.title, *self.notes))
+        return f"{comments}{self._tabulated('latex_booktabs')}\n"
+
+    def csv(self) -> str:
+        """Return the cells with every digit they have; no title or notes."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.columns)
+        for row in self.rows:
+            writer.writerow([c.value if isinstance(c, Number) else c for c in row])
+        return text.getvalue()
+
+    def terminal(self) -> Group:
+        """Return what rich prints."""
+        table = rich.table.Table(title=Text(self.title, style="bold"), title_justify="left")
+        for name, numeric in zip(self.columns, self._numeric(), strict=True):
+            table.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
+        for before, row in zip(["", *(row[0] for row in self.rows)], self._text(), strict=False):
+            if row[0] and before and row[0] != before:
+                table.add_section()
+            table.add_row(*(Text(cell) for cell in row))
+        return Group(table, *(Text(f"  {note}", style="dim") for note in self.notes))
+
+    def files(self, stem: str) -> dict[str, bytes]:
+        """Return `stem` with .csv, .md and .tex as files to write."""
+        forms = {"csv": self.csv(), "md": self.markdown(), "tex": self.latex()}
+        return {f"{stem}.{suffix}": text.encode() for suffix, text in forms.items()}
