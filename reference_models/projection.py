@@ -2,9 +2,17 @@
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from analytic.modes import check_count
 
 Array = NDArray[np.float64]
+RANK = 1e-9
+"""Singular values below this, relative to the largest of the same joints, are zero."""
+NOISE = 1e-14
+"""Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
 
 def constrained_modes(K: Array, M: Array, J: Array, count: int) -> tuple[Array, Array, int]:
@@ -12,22 +20,52 @@ def constrained_modes(K: Array, M: Array, J: Array, count: int) -> tuple[Array, 
 
     K, M are (N, N) over all coordinates q; the joints demand J dq = 0, J (c, N) of any rank.
     With N_0 an orthonormal basis of J's null space: (N_0^T K N_0 - omega^2 N_0^T M N_0) x = 0.
+    Raises `InputError` for more modes than coordinates left free.
     """
     free = null_space(J)
-    reduced_K, reduced_M = (free.T @ (A + A.T) @ free / 2 for A in (K, M))
-    count = min(count, free.shape[1])
-    values, x = scipy.linalg.eigh(reduced_K, reduced_M, subset_by_index=(0, count - 1))
+    check_count(count, free.shape[1])
+    reduced = (free.T @ (A @ free) for A in (K, M))
+    K_free, M_free = ((A + A.T) / 2 for A in reduced)
+    values, x = scipy.linalg.eigh(K_free, M_free, subset_by_index=(0, count - 1))
     return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), free @ x, free.shape[1]
 
 
-def null_space(J: Array) -> Array:
-    """Return an orthonormal basis of J's null space, shape (N, N - rank), by pivoted QR.
+def null_space(J: Array) -> sp.csr_array:
+    """Return an orthonormal basis of J's null space, (N, N - rank), by singular values.
 
-    Rows are scaled first, so that the rank does not depend on a joint's units.
+    A constraint couples few coordinates, so J falls into small blocks (a joint with the bodies it
+    holds; the norm of one node's Euler parameters): each has its own decomposition, equal ones
+    share a call, and the basis is sparse. Rows are scaled to unit length, so that the rank does
+    not depend on a joint's units.
     """
-    scale = np.linalg.norm(J, axis=1, keepdims=True)
-    rows = J[scale[:, 0] > 0] / scale[scale[:, 0] > 0]
-    q, r, _ = scipy.linalg.qr(rows.T, pivoting=True)
-    pivots = np.abs(np.diag(r))
-    rank = int((pivots > 1e-9 * pivots[0]).sum()) if pivots.size else 0
-    return np.asarray(q[:, rank:])
+    size = np.linalg.norm(J, axis=1)
+    real = size > NOISE * size.max(initial=0.0)
+    rows = J[real] / size[real, None]
+    coupled = sp.csr_array(rows != 0, dtype=float)
+    _, block_of = connected_components(coupled.T @ coupled, directed=False)
+    columns, first_column, width = _grouped(block_of, block_of.max() + 1)
+    chosen, first_row, height = _grouped(block_of[(rows != 0).argmax(axis=1)], len(width))
+
+    where, entries, found = [], [], 0
+    for r, k in np.unique(np.stack([height, width], axis=1), axis=0).tolist():
+        alike = np.flatnonzero((height == r) & (width == k))
+        on = columns[first_column[alike, None] + np.arange(k)]
+        of = chosen[first_row[alike, None] + np.arange(r)]
+        _, singular, V = np.linalg.svd(rows[of[:, :, None], on[:, None, :]])
+        null = np.ones((len(alike), k), dtype=bool)
+        null[:, : singular.shape[1]] = singular <= RANK * singular[:, :1]
+        block, _ = np.nonzero(null)
+        number = found + np.arange(len(block))
+        where.append((on[block].ravel(), np.repeat(number, k)))
+        entries.append(V[null].ravel())
+        found += len(block)
+    at = tuple(np.concatenate(index) for index in zip(*where, strict=True))
+    return sp.csr_array(sp.coo_array((np.concatenate(entries), at), shape=(J.shape[1], found)))
+
+
+def _grouped(
+    label: NDArray[np.integer], groups: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Return indices ordered by label, where each group starts among them, and its size."""
+    size = np.bincount(label, minlength=groups)
+    return np.argsort(label, kind="stable"), np.cumsum(size) - size, size

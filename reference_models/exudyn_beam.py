@@ -1,0 +1,82 @@
+"""Exudyn's geometrically exact beam as the limbs of the mechanism."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from analytic.errors import count as whole
+from analytic.mechanism import Mechanism
+from analytic.modes import Modes
+from analytic.pose import Pose
+from analytic.theory import Theory
+from reference_models.exudyn_system import Axis, Line, add_rigid_nodes, describe, run
+from reference_models.protocol import Info
+
+NAME = "exudyn-beam"
+
+
+@dataclass(frozen=True)
+class ExudynBeam:
+    """Limbs of `elements` ObjectBeamGeometricallyExact: Timoshenko with rotary inertia.
+
+    Linear along the rod between nodes with a position and Euler parameters. `shear` is the shear
+    coefficient, as in `Theory`. Raises `InputError` for fewer than one element or a bad `shear`.
+    """
+
+    elements: int = 16
+    shear: str | float = "cowper"
+
+    def __post_init__(self) -> None:
+        whole("elements", self.elements)
+        Theory("timoshenko", self.shear)
+
+    @classmethod
+    def info(cls) -> Info:
+        """Return what the model is; never raises."""
+        remark = "second order: extrapolate, or compare with far more elements than elsewhere"
+        return describe("Timoshenko", 2, (12, 24), remark)
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
+        """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""
+        theory = Theory("timoshenko", self.shear)
+        labels = "; ".join(sorted({theory.label(limb.rod.material) for limb in mechanism.limbs}))
+        return run(NAME, labels, self.elements, self._add_rod, mechanism, pose, count)
+
+    def _add_rod(self, exu: Any, mbs: Any, axis: Axis) -> Line:
+        items, rod = exu.itemInterface, axis.rod
+        nodes = add_rigid_nodes(exu, mbs, axis.points(self.elements), axis.frame)
+        section = exu.BeamSection()
+        material = rod.material
+        section.massPerLength = material.density * rod.area
+        section.inertia = material.density * np.diag(
+            [rod.polar_moment, rod.second_moment, rod.second_moment]
+        )
+        bending = material.young * rod.second_moment
+        shear = Theory("timoshenko", self.shear).shear_coefficient(material)
+        shearing = shear * material.shear * rod.area
+        twisting = material.shear * rod.polar_moment
+        section.stiffnessMatrix = np.diag(
+            [material.young * rod.area, shearing, shearing, twisting, bending, bending]
+        )
+        size = axis.length / self.elements
+        elements = [
+            mbs.AddObject(
+                items.ObjectBeamGeometricallyExact(
+                    nodeNumbers=list(ends), physicsLength=size, sectionData=section
+                )
+            )
+            for ends in pairwise(nodes)
+        ]
+        # Ground and node share the rod's frame, whose second axis is the revolute axis.
+        ground = mbs.AddObject(
+            items.ObjectGround(referencePosition=axis.base, referenceRotation=axis.frame)
+        )
+        fixed = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground))
+        first = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
+        mbs.AddObject(
+            items.GenericJoint(markerNumbers=[fixed, first], constrainedAxes=[1, 1, 1, 1, 0, 1])
+        )
+        last = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
+        return Line(elements, -size / 2, (fixed, first), last)

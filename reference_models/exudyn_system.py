@@ -1,0 +1,219 @@
+"""What both Exudyn models share: one silent system, its rigid platform and joints, its modes.
+
+The modes come from Exudyn's own assembled M, K and constraint Jacobian, and their shapes from
+Exudyn's own kinematics: a mode loaded as a velocity moves the platform and the centre lines.
+"""
+
+import importlib.util
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as installed
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from analytic.errors import InputError
+from analytic.mechanism import Mechanism, Platform, Rod
+from analytic.modes import STATIONS, Modes
+from analytic.pose import Pose, position
+from reference_models.projection import constrained_modes
+from reference_models.protocol import Info, ModelError, UnavailableError, check_closure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One rod in space: from `base` B_i to `tip` A_i [m], about the revolute axis.
+
+    `frame` holds unit vectors along the rod, along the revolute axis and across both, as columns.
+    """
+
+    rod: Rod
+    base: Array
+    tip: Array
+    frame: Array
+    length: float
+
+    def points(self, elements: int) -> Array:
+        """Return the nodes' positions, shape (elements + 1, 3) [m]."""
+        fraction = np.linspace(0.0, 1.0, elements + 1)[:, None]
+        return self.base + (self.tip - self.base) * fraction
+
+
+@dataclass(frozen=True)
+class Line:
+    """One rod in Exudyn: its elements, the local coordinate of an element's start [m], its ends.
+
+    `joint` is the revolute joint's pair of markers, `tip` the marker at A_i.
+    """
+
+    elements: list[int]
+    start: float
+    joint: tuple[int, int]
+    tip: int
+
+
+AddRod = Callable[[Any, Any, Axis], Line]
+"""Adds one rod and its revolute joint to (exudyn, system), and says what it added."""
+
+
+def describe(theory: str, order: int, refinements: tuple[int, int], remark: str) -> Info:
+    """Return what is known of a model on Exudyn, without importing Exudyn."""
+    try:
+        version = installed("exudyn") if importlib.util.find_spec("exudyn") else ""
+    except PackageNotFoundError:
+        version = ""
+    missing = "" if version else "exudyn is not installed; pip install exudyn"
+    return Info(theory, "Exudyn", version, order, refinements, remark, missing)
+
+
+def load() -> Any:
+    """Return the module exudyn, or raise `UnavailableError` with what to do."""
+    try:
+        import exudyn
+    except ImportError as error:
+        text = f"exudyn cannot be imported ({error}); pip install exudyn"
+        raise UnavailableError(text) from error
+    return exudyn
+
+
+@contextmanager
+def system(exu: Any, name: str) -> Iterator[Any]:
+    """Open an empty system that prints nothing, and free its memory afterwards."""
+    said = exu.config.printToConsole, exu.config.suppressWarnings
+    exu.config.printToConsole, exu.config.suppressWarnings = False, True
+    container = exu.SystemContainer()
+    try:
+        yield container.AddSystem()
+    except (exu.ExudynError, np.linalg.LinAlgError) as error:
+        raise ModelError(f"{name}: {error}") from error
+    finally:
+        container.Reset()
+        exu.config.printToConsole, exu.config.suppressWarnings = said
+
+
+def run(
+    name: str,
+    theory: str,
+    elements: int,
+    add_rod: AddRod,
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+) -> Modes:
+    """Return the `count` lowest modes of the platform on rods made by `add_rod`.
+
+    Raises `InputError` for many poses, a pose out of reach or too many modes, and `ModelError`
+    where joints are open or Exudyn fails.
+    """
+    if pose.shape:
+        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+    exu = load()
+    begin = time.perf_counter()
+    o, R = position(mechanism, pose), pose.rotation
+    axes = rod_axes(mechanism, o, R)
+    with system(exu, name) as mbs:
+        node, body = add_platform(exu, mbs, mechanism.platform, o, R)
+        lines = [add_rod(exu, mbs, axis) for axis in axes]
+        joints = [line.joint for line in lines]
+        for line, limb in zip(lines, mechanism.limbs, strict=True):
+            joints.append(add_spherical(exu, mbs, body, limb.platform_point, line.tip))
+        mbs.Assemble()
+        residual = check_closure(name, largest_gap(exu, mbs, joints))
+        M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
+        if not np.isfinite(K).all() or not np.isfinite(M).all():
+            raise ModelError(f"{name}: Exudyn's matrices hold values that are not finite")
+        built = time.perf_counter()
+        frequencies, q, free = constrained_modes(K, M, J.T, count)
+        solved = time.perf_counter()
+        platform, limbs = read_shapes(exu, mbs, q, node, lines, axes)
+    return Modes(
+        frequencies=frequencies,
+        platform=platform,
+        limbs=limbs,
+        theory=theory,
+        model=name,
+        version=f"exudyn {exu.__version__}",
+        elements=elements,
+        dofs=free,
+        residual=residual,
+        build_seconds=built - begin,
+        solve_seconds=solved - built,
+    )
+
+
+def rod_axes(mechanism: Mechanism, o: Array, R: Array) -> list[Axis]:
+    """Return where every rod is, for o [m] and the platform's rotation R, both global."""
+    result = []
+    for limb in mechanism.limbs:
+        base = np.array(limb.base)
+        tip = o + R @ np.array(limb.platform_point)
+        length = float(np.linalg.norm(tip - base))
+        along = (tip - base) / length
+        # The pose puts the rod square to the revolute axis within rounding; the frame is exact.
+        about = np.array(limb.axis) - along * (along @ np.array(limb.axis))
+        about /= np.linalg.norm(about)
+        frame = np.stack([along, about, np.cross(along, about)], axis=1)
+        result.append(Axis(limb.rod, base, tip, frame, length))
+    return result
+
+
+def add_rigid_nodes(exu: Any, mbs: Any, points: Array, rotation: Array) -> list[int]:
+    """Add nodes with a position and Euler parameters, which know no singular direction."""
+    parameters = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
+    make = exu.itemInterface.NodeRigidBodyEP
+    return [mbs.AddNode(make(referenceCoordinates=[*point, *parameters])) for point in points]
+
+
+def add_platform(exu: Any, mbs: Any, platform: Platform, o: Array, R: Array) -> tuple[int, int]:
+    """Add the rigid platform with its centre of mass at o; return its node and body."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = platform.inertia
+    (node,) = add_rigid_nodes(exu, mbs, o[None], R)
+    body = exu.itemInterface.ObjectRigidBody(
+        nodeNumber=node, physicsMass=platform.mass, physicsInertia=[xx, yy, zz, yz, xz, xy]
+    )
+    return node, int(mbs.AddObject(body))
+
+
+def add_spherical(exu: Any, mbs: Any, body: int, point: Any, marker: int) -> tuple[int, int]:
+    """Join `marker` to a `point` of a body by an ideal spherical joint; return both markers."""
+    items = exu.itemInterface
+    held = int(mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=list(point))))
+    mbs.AddObject(items.SphericalJoint(markerNumbers=[held, marker]))
+    return held, marker
+
+
+def largest_gap(exu: Any, mbs: Any, joints: list[tuple[int, int]]) -> float:
+    """Return the largest distance between the markers a joint should hold together [m]."""
+    where = exu.OutputVariableType.Position
+    ends = np.array([[mbs.GetMarkerOutput(m, where) for m in joint] for joint in joints])
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
+
+
+def read_shapes(
+    exu: Any, mbs: Any, q: Array, node: int, lines: list[Line], axes: list[Axis]
+) -> tuple[Array, Array]:
+    """Return the platform's (m, 6) and the centre lines' (m, n, 11, 3) motion in modes q (N, m)."""
+    velocity, spin = exu.OutputVariableType.Velocity, exu.OutputVariableType.AngularVelocity
+    stations = []
+    for line, axis in zip(lines, axes, strict=True):
+        s = len(line.elements)
+        which = np.minimum((STATIONS * s).astype(int), s - 1)
+        local = line.start + (STATIONS * s - which) * axis.length / s
+        stations.append(
+            [(line.elements[e], [x, 0.0, 0.0]) for e, x in zip(which, local, strict=True)]
+        )
+    platform, limbs = [], []
+    for mode in q.T:
+        mbs.systemData.SetODE2Coordinates_t(mode)
+        platform.append(np.r_[mbs.GetNodeOutput(node, velocity), mbs.GetNodeOutput(node, spin)])
+        limbs.append(
+            [[mbs.GetObjectOutputBody(e, velocity, at) for e, at in rod] for rod in stations]
+        )
+    return np.array(platform), np.array(limbs)
