@@ -72,7 +72,9 @@ def parse(text: str, option: str, shear: str | float = "cowper") -> Spec:
     """
     name, at, elements = text.partition("@")
     if name not in known():
-        raise InputError(option, text, f"one of {', '.join(known())}, or such a name with @ELEMENTS")
+        raise InputError(
+            option, text, f"one of {', '.join(known())}, or such a name with @ELEMENTS"
+        )
     spec = Spec(name, None, shear)
     if not at:
         if spec.analytic:

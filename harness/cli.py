@@ -1,0 +1,192 @@
+"""The command line: options to objects, results to the terminal and to files."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from threadpoolctl import threadpool_limits
+
+from analytic import InputError, __version__
+from analytic.theory import BEAMS
+from harness.case_file import load_cases
+from harness.cases import PRESETS
+from harness.files import OutputError, write_all
+from harness.options import STAND_IN, Request, available, takes_request
+from harness.tables import Cell, Number, Table
+from reference_models import UnavailableError, catalogue
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one sentence and exit status 2."""
+    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    try:
+        # Small matrices on many threads are slower by orders of magnitude.
+        with threadpool_limits(1):
+            status = cli(standalone_mode=False)
+    except click.exceptions.Abort:
+        console.print("rps-bench: interrupted")
+        sys.exit(130)
+    except click.ClickException as error:
+        console.print(f"rps-bench: {error.format_message()}")
+        sys.exit(2)
+    except (InputError, UnavailableError, OutputError) as error:
+        console.print(f"rps-bench: {error}")
+        sys.exit(2)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[str], None]]:
+    """Show a bar on the terminal's error stream; yield what to call after each step."""
+    columns = (
+        TextColumn("[progress.description]{task.description:40.40}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("starting", total=total)
+        yield lambda what: bar.update(task, advance=1, description=what)
+
+
+def _show(*tables: Table) -> None:
+    # A pipe has no width of its own: leave the table as wide as it needs to be.
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 240)
+    for table in tables:
+        console.print(table.terminal())
+        console.print()
+
+
+def _write(output: Path | None, files: dict[str, bytes]) -> None:
+    if output is not None:
+        for path in write_all(output, files):
+            click.echo(f"wrote {path}")
+
+
+def _status(failures: dict[tuple[str, str], str]) -> int:
+    """Say on the error stream what failed; return the exit status."""
+    for (case, label), why in failures.items():
+        click.echo(f"rps-bench: {label} failed at {case}: {why}", err=True)
+    return 1 if failures else 0
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="rps-bench")
+def cli() -> None:
+    """Check the published model of the 3-RPS manipulator against independent simulators."""
+
+
+@cli.command()
+@takes_request
+def table(request: Request) -> int:
+    """Table I: FEA, Theoretical and Error (%), beside what the paper prints.
+
+    Without --model each list of cases is compared by the model its first case is meant for.
+    """
+    from harness.compare import provenance_table, reference_table, table_one
+    from harness.reproduce import tidy
+    from harness.run import rows, run
+
+    cases, shown, against = request.chosen, request.shown, request.against(STAND_IN)
+    theory, folder = request.theory(cases[0].model), request.folder
+    theories = [theory]
+    if request.elements is not None:
+        theories = [replace(theory, elements=s) for s in request.steps("")]
+    with _progress(len(cases) * (len(theories) + len(against))) as done:
+        study = run(cases, [*theories, *against], max(shown), done)
+    tables = {"table1": table_one(study, theories, against, shown)}
+    for spec in theories:
+        tables[f"references-{spec.label}"] = reference_table(study, spec, against, shown)
+    tables["provenance"] = provenance_table(study)
+    _show(*tables.values())
+    files = {"frequencies.csv": tidy(rows(study))}
+    for stem, result in tables.items():
+        files |= result.files(stem)
+    _write(folder, files)
+    return _status(study.failures)
+
+
+@cli.command()
+@takes_request
+def convergence(request: Request) -> int:
+    """Fig. 3: error against the number of elements s, for every case and mode.
+
+    With --references NAME@exact (euler-bernoulli@exact, say) it is the discretisation error alone,
+    with its observed order.
+    """
+    from harness.convergence import converge, convergence_files, convergence_tables
+
+    cases, shown, against = request.chosen, request.shown, request.against(STAND_IN)
+    theory, steps, folder = request.theory(cases[0].model), request.steps("1-8"), request.folder
+    with _progress(len(against) * len(cases) * (1 + len(steps))) as done:
+        results = [converge(cases, theory, steps, ref, max(shown), done) for ref in against]
+    files: dict[str, bytes] = {}
+    failures: dict[tuple[str, str], str] = {}
+    for result in results:
+        _show(*convergence_tables(result, shown))
+        if folder is not None:
+            stem = f"convergence-{result.reference.label}"
+            files |= convergence_files(result, shown, stem)
+        failures |= result.study.failures
+    _write(folder, files)
+    return _status(failures)
+
+
+@cli.command()
+def models() -> None:
+    """Every model: its theory, version, and whether it can run here, or why not."""
+    rows: list[tuple[str, ...]] = [
+        (name, theory, f"rps-bench {__version__}", "yes", "@S elements, or @exact without any")
+        for name, theory in BEAMS.items()
+    ]
+    for name, info in catalogue():
+        here = f"no: {info.missing}" if info.missing else "yes"
+        rows.append((name, info.theory, f"{info.program} {info.version}", here, info.remark))
+    columns = ("Model", "Theory", "Version", "Available", "Remarks")
+    _show(Table("Models", columns, tuple(rows)))
+
+
+@cli.command(name="cases")
+@click.option("--case-file", metavar="FILE", help="TOML file with cases of your own.")
+def list_cases(case_file: str | None) -> None:
+    """Every case: its pose, and what of it was read or fitted."""
+    extra = load_cases(Path(case_file)) if case_file is not None else {}
+    rows: list[tuple[Cell, ...]] = []
+    for case in (PRESETS | extra).values():
+        azimuth, tilt = np.degrees([case.pose.azimuth, case.pose.tilt])
+        pose = (Number(1000 * case.pose.z, 2), Number(azimuth, 2), Number(tilt, 2))
+        rows.append((case.name, case.model, *pose, case.note))
+    columns = ("Case", "Model", "z [mm]", "azimuth [deg]", "tilt [deg]", "What was read or fitted")
+    _show(Table("Cases", columns, tuple(rows)))
+
+
+@cli.command(name="reproduce")
+@takes_request
+def run_reproduce(request: Request) -> int:
+    """The main job: every table and figure, into --output (default results/).
+
+    Fig. 3 and Table I are drawn against the first of --references.
+    """
+    from harness.reproduce import reproduce, solves
+
+    cases, shown, against = request.chosen, request.shown, request.against(available())
+    theory, steps = request.theory("euler-bernoulli@3"), request.steps("1-8")
+    folder = request.folder or Path("results")
+    with _progress(solves(cases, against, steps)) as done:
+        result = reproduce(cases, theory, against, steps, shown, done)
+    written = write_all(folder, result.files)
+    _show(result.table1)
+    click.echo("What agrees with the paper's Table I, what does not, and why:")
+    for line in result.summary:
+        click.echo(f"  - {line}")
+    for name, info in catalogue():
+        if info.missing:
+            click.echo(f"  - not run: {name}: {info.missing}")
+    click.echo(f"{len(written)} files in {folder}/; start with {folder / 'summary.md'}")
+    return _status(result.failures)

@@ -1,0 +1,228 @@
+"""The paper's model: its printed matrices, published-geometry values, symmetry and scaling."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from analytic import Limb, Material, Mechanism, Platform, Pose, Rod, Substructure, limbs_at
+from analytic.substructure import (
+    independent_coordinates,
+    limb_selection,
+    platform_mass,
+    platform_selection,
+    rigid_arm,
+)
+
+# Euler-Bernoulli, s = 3, z = 0.49 m: from an independent implementation.
+CASE1 = [137.828, 137.828, 236.529, 793.765, 881.624, 881.624]
+CASE2 = [124.667, 149.510, 241.055, 720.930, 895.508, 948.819]
+
+THEORIES = ["euler-bernoulli", "rayleigh", "timoshenko"]
+poses = st.builds(
+    Pose, st.floats(0.35, 0.7), st.floats(-np.pi, np.pi), st.floats(-np.radians(20), np.radians(20))
+)
+
+
+def frequencies(
+    robot: Mechanism, pose: Pose, elements: int = 3, beam: str = THEORIES[0]
+) -> np.ndarray:
+    return Substructure(elements, beam).modes(robot, pose).frequencies
+
+
+def test_known_values(robot: Mechanism, case1: Pose, case2: Pose) -> None:
+    np.testing.assert_allclose(frequencies(robot, case1), CASE1, rtol=1e-5)
+    np.testing.assert_allclose(frequencies(robot, case2), CASE2, rtol=1e-5)
+
+
+@given(turn=st.floats(-np.pi, np.pi))
+@settings(max_examples=30, deadline=None)
+def test_known_values_whatever_the_heading(turn: float) -> None:
+    robot = Mechanism.paper(heading=turn)
+    pose = Pose(0.49, np.radians(10) + turn, np.radians(-12))
+    np.testing.assert_allclose(frequencies(robot, pose), CASE2, rtol=1e-5)
+
+
+@pytest.mark.parametrize("degrees", [0, 30, 90, 180, 270])
+def test_no_base_orientation_is_singular(degrees: float) -> None:
+    """Eq. (17) divides by zero for a limb at 90 degrees, Eq. (18) for one at 0."""
+    turn = np.radians(degrees)
+    pose = Pose(0.49, np.radians(10) + turn, np.radians(-12))
+    np.testing.assert_allclose(frequencies(Mechanism.paper(heading=turn), pose), CASE2, rtol=1e-5)
+
+
+@given(pose=poses, beam=st.sampled_from(THEORIES), elements=st.integers(1, 4))
+@settings(max_examples=40, deadline=None)
+def test_120_degree_symmetry(pose: Pose, beam: str, elements: int) -> None:
+    robot = Mechanism.paper()
+    turned = Pose(pose.z, pose.azimuth + 2 * np.pi / 3, pose.tilt)
+    one, other = (frequencies(robot, p, elements, beam) for p in (pose, turned))
+    np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
+@given(pose=poses, beam=st.sampled_from(THEORIES))
+@settings(max_examples=20, deadline=None)
+def test_leaning_the_other_way_is_half_a_turn(pose: Pose, beam: str) -> None:
+    """(phi, theta) and (phi + pi, -theta) are one rotation."""
+    other = Pose(pose.z, pose.azimuth + np.pi, -pose.tilt)
+    robot = Mechanism.paper()
+    np.testing.assert_allclose(
+        frequencies(robot, pose, 2, beam), frequencies(robot, other, 2, beam), rtol=1e-9
+    )
+
+
+@given(
+    pose=poses,
+    beam=st.sampled_from(THEORIES),
+    length=st.floats(0.1, 10),
+    stiff=st.floats(0.1, 10),
+    heavy=st.floats(0.1, 10),
+)
+@settings(max_examples=30, deadline=None)
+def test_units_scale(pose: Pose, beam: str, length: float, stiff: float, heavy: float) -> None:
+    """f goes as sqrt(E / rho) / length when all lengths, moduli and densities are scaled."""
+
+    def scaled(size: float, E: float, rho: float) -> Mechanism:
+        steel = Material(200e9 * E, 77e9 * E, 7820 * rho)
+        disc = Platform.disc(0.2 * size, 0.02 * size, steel.density)
+        return Mechanism.regular(0.3 * size, 0.2 * size, Rod(steel, 0.1 * size), disc)
+
+    one = frequencies(scaled(1, 1, 1), pose, 2, beam)
+    other = frequencies(
+        scaled(length, stiff, heavy), Pose(pose.z * length, pose.azimuth, pose.tilt), 2, beam
+    )
+    np.testing.assert_allclose(other, one * np.sqrt(stiff / heavy) / length, rtol=1e-8)
+
+
+def test_dofs_are_the_papers(robot: Mechanism, case1: Pose) -> None:
+    """U of Eq. (19) has 18 s coordinates for three limbs."""
+    for s in (1, 2, 5):
+        assert Substructure(s).modes(robot, case1).dofs == 18 * s
+
+
+def test_H_and_Q_have_the_printed_blocks(robot: Mechanism, case2: Pose) -> None:
+    s, n = 3, 3
+    limbs = limbs_at(robot, case2)
+    width = 18 * s + 15
+    for i in range(n):
+        H = limb_selection(i, n, s, limbs.arms[i]).toarray()
+        start = i * (6 * s + 3)
+        wanted = np.zeros((6 * s + 6, width))
+        wanted[:6, start : start + 6] = np.eye(6)
+        wanted[6 : 6 * s, start + 6 : start + 6 * s] = np.eye(6 * s - 6)
+        wanted[6 * s : 6 * s + 3, -6:] = rigid_arm(limbs.arms[i])
+        wanted[6 * s + 3 :, start + 6 * s : start + 6 * s + 3] = np.eye(3)
+        np.testing.assert_array_equal(H, wanted)
+    np.testing.assert_array_equal(platform_selection(n, s).toarray(), np.eye(6, width, width - 6))
+
+    # Eq. (17) for limb 1, whose axis is y: phi_Bx = R(1,2)/R(2,2) phi_By and phi_Bz = 0.
+    Q = independent_coordinates(robot.axes, s).toarray()
+    assert Q.shape == (width, 18 * s)
+    R = limbs.frames[0]
+    np.testing.assert_allclose(Q[3:6, 0], [R[0, 1] / R[1, 1], 1, 0], atol=1e-15)
+    assert not Q[:3].any()
+    np.testing.assert_array_equal(Q[6 : 6 * s + 3, 1 : 6 * s - 2], np.eye(6 * s - 3))
+    np.testing.assert_array_equal(Q[-6:, -6:], np.eye(6))
+
+
+@given(arm=st.tuples(*[st.floats(-1, 1)] * 3), motion=st.tuples(*[st.floats(-1, 1)] * 6))
+def test_rigid_arm_is_rigid_motion(arm: tuple[float, ...], motion: tuple[float, ...]) -> None:
+    shift, spin = np.array(motion[:3]), np.array(motion[3:])
+    wanted = shift + np.cross(spin, arm)
+    np.testing.assert_allclose(rigid_arm(np.array(arm)) @ motion, wanted, atol=1e-15)
+
+
+def test_static_stiffness_of_one_limb_by_hand() -> None:
+    """One vertical limb held by nothing but itself: its tip moves on EA/L and 3 EI/L^3."""
+    steel = Material(200e9, 77e9, 7820)
+    rod, L = Rod(steel, 0.03), 0.5
+    limb = Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
+    robot = Mechanism((limb,), Platform.diagonal(1e4, (1.0, 1.0, 1.0)))
+    omega = 2 * np.pi * Substructure(4).modes(robot, Pose(L), 6).frequencies
+    stiffness = 1e4 * omega**2  # the platform's mass dwarfs the limb's
+    EI, EA = steel.young * rod.second_moment, steel.young * rod.area
+    # Free to spin about o and to swing about the revolute axis; stiff across and along.
+    np.testing.assert_allclose(stiffness[4:], [3 * EI / L**3, EA / L], rtol=1e-4)
+    assert (omega[:4] < 1e-2 * omega[4]).all()
+
+
+@pytest.mark.parametrize(
+    ("beam", "order"), [("euler-bernoulli", 4), ("rayleigh", 4), ("timoshenko", 2)]
+)
+def test_observed_order(beam: str, order: int, robot: Mechanism, case2: Pose) -> None:
+    steps = (4, 8, 16) if order == 4 else (16, 32, 64)
+    coarse, middle, fine = (frequencies(robot, case2, s, beam) for s in steps)
+    observed = np.log2((coarse - middle) / (middle - fine))
+    np.testing.assert_allclose(observed, order, atol=0.15)
+
+
+@given(pose=poses, beam=st.sampled_from(THEORIES))
+@settings(max_examples=15, deadline=None)
+def test_more_elements_never_raise_a_frequency(pose: Pose, beam: str) -> None:
+    """Nested conforming meshes: Rayleigh's principle, for the theories whose mesh is nested."""
+    if beam == "timoshenko":  # its interpolation depends on the element's length
+        return
+    coarse, fine = (frequencies(Mechanism.paper(), pose, s, beam) for s in (2, 4))
+    assert (fine <= coarse * (1 + 1e-10)).all()
+
+
+@given(pose=poses, elements=st.integers(1, 5), beam=st.sampled_from(THEORIES))
+@settings(max_examples=20, deadline=None)
+def test_sparse_is_dense(pose: Pose, elements: int, beam: str) -> None:
+    robot = Mechanism.paper()
+    dense, sparse = (
+        Substructure(elements, beam, solver=solver).modes(robot, pose)
+        for solver in ("dense", "sparse")
+    )
+    np.testing.assert_allclose(sparse.frequencies, dense.frequencies, rtol=1e-9)
+
+
+def test_sparse_finds_repeated_modes(robot: Mechanism, case1: Pose) -> None:
+    modes = Substructure(12, solver="sparse").modes(robot, case1)
+    np.testing.assert_allclose(modes.frequencies, frequencies(robot, case1, 12), rtol=1e-9)
+
+
+def test_shapes_satisfy_the_equations(robot: Mechanism, case2: Pose) -> None:
+    """Platform and limb ends move together, and the shapes carry all of the unit modal mass."""
+    modes = Substructure(6).modes(robot, case2)
+    limbs = limbs_at(robot, case2)
+    for i in range(3):
+        tips = modes.platform @ rigid_arm(limbs.arms[i]).T
+        np.testing.assert_allclose(modes.limbs[:, i, -1], tips, atol=1e-13)
+        np.testing.assert_allclose(modes.limbs[:, i, 0], 0, atol=1e-15)
+    M_p = platform_mass(robot, case2)
+    rod = robot.limbs[0].rod
+    mass = np.einsum("mi,ij,mj->m", modes.platform, M_p, modes.platform)
+    simpson = np.array([1, 4, 2, 4, 2, 4, 2, 4, 2, 4, 1]) / 30
+    for i, length in enumerate(limbs.lengths):
+        square = (modes.limbs[:, i] ** 2).sum(axis=2) @ simpson
+        mass += rod.material.density * rod.area * length * square
+    np.testing.assert_allclose(mass, 1, atol=2e-3)  # Simpson's rule over eleven stations
+
+
+def test_matrices_are_the_rayleigh_quotient(robot: Mechanism, case2: Pose) -> None:
+    model = Substructure(2, "timoshenko")
+    K, M = (matrix.toarray() for matrix in model.matrices(robot, case2))
+    np.testing.assert_allclose(K, K.T, atol=1e-9 * np.abs(K).max())
+    values = scipy.linalg.eigh(K, M, eigvals_only=True)
+    assert (values > 0).all()
+    found = model.modes(robot, case2, 36).frequencies
+    np.testing.assert_allclose(np.sqrt(values) / (2 * np.pi), found, rtol=1e-9)
+
+
+def test_unequal_limbs_and_any_inertia() -> None:
+    """A limb split in two halves side by side moves as before, besides moving against itself."""
+    steel = Material(200e9, 77e9, 7820)
+    whole, half = Rod(steel, 0.1), Rod(Material(100e9, 38.5e9, 3910), 0.1)
+    inertia = ((0.3, 0.05, 0.0), (0.05, 0.4, 0.02), (0.0, 0.02, 0.5))
+    limbs = Mechanism.regular(0.3, 0.2, whole, Platform(20, inertia)).limbs
+    last = limbs[2]
+    halves = (Limb(last.base, last.axis, last.platform_point, half),) * 2
+    pose = Pose(0.5, 0.3, 0.2)
+    one = frequencies(Mechanism(limbs, Platform(20, inertia)), pose)
+    split = Mechanism((*limbs[:2], *halves), Platform(20, inertia))
+    other = Substructure(3).modes(split, pose, 12).frequencies
+    closest = other[np.abs(other - one[:, None]).argmin(axis=1)]
+    np.testing.assert_allclose(closest, one, rtol=1e-9)
+    assert len(set(closest)) == 6
