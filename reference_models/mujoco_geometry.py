@@ -1,0 +1,49 @@
+"""Where a compiled MuJoCo model has its joints and centre lines, and how they move."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from analytic.modes import STATIONS
+from reference_models.mujoco_rig import Limb
+
+Array = NDArray[np.float64]
+
+
+def gap(model: Any, data: Any, limbs: list[Limb]) -> float:
+    """Return the largest gap of a joint [m]: hinge from B_i, rod's end from A_i, `connect`."""
+    hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
+    if model.nflex:
+        ends = data.flexvert_xpos[model.flex_vertadr + model.flex_vertnum - 1]
+    else:
+        ends = np.array([data.site(f"A{i}").xpos for i in range(len(limbs))])
+    gaps = [
+        data.xanchor[hinges] - [limb.base for limb in limbs],
+        ends - [limb.tip for limb in limbs],
+        np.reshape(data.efc_pos, (-1, 3)),
+    ]
+    return float(np.linalg.norm(np.concatenate(gaps), axis=1).max())
+
+
+def jacobian(model: Any, data: Any, body: str, point: Array) -> Array:
+    """Return the map from coordinates to the motion of `body` at a global `point`.
+
+    Shape (6, nv): displacement and rotation, global axes.
+    """
+    J = np.zeros((6, model.nv))
+    mujoco.mj_jac(model, data, J[:3], J[3:], point, model.body(body).id)
+    return J
+
+
+def centre_line(model: Any, data: Any, limb: Limb, bodies: list[str]) -> Array:
+    """Return the map from coordinates to a limb's displacement at `STATIONS`, (11, 3, nv).
+
+    A cubic spline through the vertices, which are the origins of `bodies` and, last, A_i.
+    """
+    points = np.array([*(data.body(name).xpos for name in bodies[:-1]), limb.tip])
+    maps = [jacobian(model, data, *at)[:3] for at in zip(bodies, points, strict=True)]
+    along = (points - limb.base) @ limb.along / limb.length
+    return np.asarray(CubicSpline(along, maps)(STATIONS))
