@@ -1,5 +1,7 @@
 """Shared by all tests: one BLAS thread, and the poses everything is checked at."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
@@ -33,3 +35,9 @@ def random_poses(count: int, seed: int) -> Pose:
         azimuth=random.uniform(-np.pi, np.pi, count),
         tilt=random.uniform(-np.radians(20), np.radians(20), count),
     )
+
+
+@pytest.fixture(scope="session")
+def workspace_poses() -> Callable[[int, int], Pose]:
+    """`random_poses(count, seed)`, for tests that cannot import this file."""
+    return random_poses
