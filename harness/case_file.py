@@ -25,6 +25,7 @@ import numpy as np
 from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod
 from analytic.errors import number, vector
 from harness.cases import PRESETS, Case
+from harness.models import parse_analytic
 
 Table = dict[str, Any]
 
@@ -87,9 +88,8 @@ def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str
         np.radians(_get(table, where, "tilt_deg", 0.0)),
     )
     note = str(table.get("note", f"{mechanism} of {source}"))
-    return Case(
-        name, mechanisms[mechanism], pose, note, str(table.get("model", "euler-bernoulli@3"))
-    )
+    model = parse_analytic(str(table.get("model", "euler-bernoulli")), f"{where}.model")
+    return Case(name, mechanisms[mechanism], pose, note, model.label)
 
 
 def _mechanism(table: Table, where: str) -> Mechanism:

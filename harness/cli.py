@@ -50,7 +50,9 @@ def _progress(total: int) -> Iterator[Callable[[str], None]]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    quiet = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
         task = bar.add_task("starting", total=total)
         yield lambda what: bar.update(task, advance=1, description=what)
 
@@ -178,7 +180,7 @@ def run_reproduce(request: Request) -> int:
     cases, shown, against = request.chosen, request.shown, request.against(available())
     theory, steps = request.theory("euler-bernoulli@3"), request.steps("1-8")
     folder = request.folder or Path("results")
-    with _progress(solves(cases, against, steps)) as done:
+    with _progress(solves(cases, theory, against, steps)) as done:
         result = reproduce(cases, theory, against, steps, shown, done)
     written = write_all(folder, result.files)
     _show(result.table1)

@@ -71,8 +71,9 @@ def _printed(
         values = np.array(published.table1()[case.published, method])
         rows.append((case.name, f"printed: {method}", *_numbers(values, pick, PERCENT)))
     theoretical = np.array(published.table1()[case.published, "Theoretical"])
-    deviation = relative_error(ours[:6], theoretical)
-    rows.append((case.name, f"{theory.label} against printed (%)", *_percent(deviation, pick)))
+    deviation = relative_error(ours[pick], theoretical[pick])
+    label = f"{theory.label} against printed (%)"
+    rows.append((case.name, label, *_percent(deviation, range(len(pick)))))
     return rows
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Okabe and Ito's colours, told apart by every common kind of colour vision; markers repeat the
 # distinction, and differ in size because repeated modes lie on top of each other.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
-MARKERS = ("o", "s", "^", "D", "v", "x")
+MARKERS = ("o", "s", "^", "D", "v", "h")
 
 
 def convergence_figure(result: "Convergence", shown: Sequence[int]) -> Figure:

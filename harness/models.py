@@ -93,3 +93,11 @@ def parse(text: str, option: str, shear: str | float = "cowper") -> Spec:
         else f"{name}@16, or {name}@8+16 to extrapolate"
     )
     raise InputError(option, text, f"elements as in {forms}")
+
+
+def parse_analytic(text: str, option: str, shear: str | float = "cowper") -> Spec:
+    """Return the analytic model that `text` names, as `parse`; a simulator is refused."""
+    spec = parse(text, option, shear)
+    if not spec.analytic:
+        raise InputError(option, text, f"an analytic model: {', '.join(BEAMS)}")
+    return spec

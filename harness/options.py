@@ -11,7 +11,7 @@ from analytic import InputError
 from analytic.theory import BEAMS, Theory
 from harness.case_file import load_cases
 from harness.cases import Case, select
-from harness.models import Spec, parse
+from harness.models import Spec, parse, parse_analytic
 from reference_models import UnavailableError, catalogue
 
 MOST_ELEMENTS = 512
@@ -82,10 +82,7 @@ class Request:
     def theory(self, default: str) -> Spec:
         """The analytic model, by default `default`."""
         given = default if self.model is None else self.model
-        spec = parse(given, "--model", self.kappa)
-        if not spec.analytic:
-            raise InputError("--model", given, f"an analytic model: {', '.join(BEAMS)}")
-        return spec
+        return parse_analytic(given, "--model", self.kappa)
 
 
 def takes_request(command: Callable[[Request], int]) -> Callable[..., int]:

@@ -18,7 +18,7 @@ from harness.compare import (
 from harness.convergence import Convergence, converge, convergence_files, convergence_tables
 from harness.models import Spec, parse
 from harness.run import rows, run
-from harness.summary import CAUSES, summarise
+from harness.summary import causes, closest_readings, summarise
 from harness.tables import Table
 
 LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
@@ -34,10 +34,12 @@ class Reproduction:
     failures: dict[tuple[str, str], str]
 
 
-def solves(cases: Sequence[Case], references: Sequence[Spec], elements: Sequence[int]) -> int:
+def solves(
+    cases: Sequence[Case], theory: Spec, references: Sequence[Spec], elements: Sequence[int]
+) -> int:
     """Return how many (model, case) solutions `reproduce` asks for, for a progress bar."""
-    models = 1 + len(references) + len(CAUSES) + (1 + len(elements)) + (1 + len(LADDER))
-    return len(cases) * models + len(PRESETS)
+    first = len({theory, *references, *causes(theory)})
+    return len(cases) * (first + 1 + len(elements) + 1 + len(LADDER)) + len(PRESETS)
 
 
 def reproduce(
@@ -50,7 +52,7 @@ def reproduce(
 ) -> Reproduction:
     """Return all tables and figures. Fig. 3 is drawn against the first of `references`."""
     count = max(6, *shown)
-    study = run(cases, [theory, *references, *CAUSES], count, done)
+    study = run(cases, [theory, *references, *causes(theory)], count, done)
     tables = {
         "table1": table_one(study, [theory], references[:1], shown),
         "references": reference_table(study, theory, references, shown),
@@ -59,7 +61,7 @@ def reproduce(
     }
     readings = [run([case], [parse(case.model, "model")], 6, done) for case in PRESETS.values()]
     tables["readings"] = readings_table(readings)
-    summary = summarise(study, theory, references)
+    summary = summarise(study, theory, references) + closest_readings(readings)
 
     fig3 = converge(cases, theory, elements, references[0], count, done)
     limit = replace(theory, elements=None)

@@ -75,8 +75,10 @@ class Table:
         table = rich.table.Table(title=Text(self.title, style="bold"), title_justify="left")
         for name, numeric in zip(self.columns, self._numeric(), strict=True):
             table.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
-        for before, row in zip(["", *(row[0] for row in self.rows)], self._text(), strict=False):
-            if row[0] and before and row[0] != before:
+        first = [str(row[0]) for row in self.rows]
+        grouped = len(set(first)) < len(first)
+        for k, row in enumerate(self._text()):
+            if grouped and k and first[k] != first[k - 1]:
                 table.add_section()
             table.add_row(*(Text(cell) for cell in row))
         return Group(table, *(Text(f"  {note}", style="dim") for note in self.notes))
