@@ -1,5 +1,6 @@
 """The analytic elastodynamic model of R-P-S parallel manipulators: numpy and scipy only."""
 
+from analytic.continuum import Continuum
 from analytic.errors import InputError
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
@@ -12,6 +13,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "STATIONS",
+    "Continuum",
     "InputError",
     "Limb",
     "Limbs",
