@@ -92,7 +92,8 @@ def system(exu: Any, name: str) -> Iterator[Any]:
     try:
         yield container.AddSystem()
     except (exu.ExudynError, np.linalg.LinAlgError) as error:
-        raise ModelError(f"{name}: {error}") from error
+        # Exudyn ends its messages with the line of this file that asked: no use to a reader.
+        raise ModelError(f"{name}: {str(error).split(' [Python file')[0]}") from error
     finally:
         container.Reset()
         exu.config.printToConsole, exu.config.suppressWarnings = said
