@@ -272,7 +272,7 @@ def test_a_failing_simulator_is_a_model_error(
         return 0, mbs.AddObject(exu.itemInterface.ObjectRigidBody(nodeNumber=99))
 
     monkeypatch.setattr(exudyn_system, "add_platform", unusable)
-    with pytest.raises(ModelError, match="^exudyn-cable: .* invalid .*number 99$"):
+    with pytest.raises(ModelError, match=r"^exudyn-cable: .* invalid .*number 99$"):
         ExudynCable(2).modes(robot, case1)
 
 
