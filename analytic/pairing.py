@@ -53,9 +53,7 @@ def pair(first: Modes, second: Modes, mechanism: Mechanism, pose: Pose) -> Pairi
     """
     a, b = (mass_vectors(modes, mechanism, pose) for modes in (first, second))
     # Either model may be the one whose modes repeat.
-    matrix = np.maximum(
-        assurance(a, b, second.frequencies), assurance(b, a, first.frequencies).T
-    )
+    matrix = np.maximum(assurance(a, b, second.frequencies), assurance(b, a, first.frequencies).T)
     rank = np.arange(matrix.shape[0])[:, None] - np.arange(matrix.shape[1])
     _, partner = linear_sum_assignment(matrix - 1e-9 * rank**2, maximize=True)
     return Pairing(partner, matrix[np.arange(len(partner)), partner], matrix)
