@@ -11,7 +11,7 @@ import numpy as np
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
-from analytic.modes import Modes, check_count
+from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models import mujoco_composite, mujoco_flex
 from reference_models.mujoco_rig import document, limbs_of, surplus
@@ -28,13 +28,13 @@ class MujocoCable:
 
     Base joints are MuJoCo's hinges. At A_i the flex shares a point with the platform; the
     composite is closed by `connect`, by exact projection and not by MuJoCo's softened solver.
-    Raises `InputError` for fewer than two elements.
+    Raises `InputError` for fewer than three elements: MuJoCo's own cable does not compile with two.
     """
 
     elements: int = 16
 
     def __post_init__(self) -> None:
-        whole("elements", self.elements, at_least=2)
+        whole("elements", self.elements, at_least=3)
 
     @classmethod
     def info(cls) -> Info:
@@ -86,7 +86,6 @@ class MujocoCable:
             K = mj.stiffness(model, data, len(limbs), step)
         built = time.perf_counter()
         frequencies, shapes, dofs = constrained_modes(K, M, J, count)
-        check_count(count, dofs)
         return Modes(
             frequencies=frequencies,
             platform=(platform @ shapes).T,

@@ -52,6 +52,8 @@ def compiled(document: str) -> Any:
 def at_rest(model: Any) -> Any:
     """Return the data of `model` in its reference position, joints and inertia evaluated."""
     data = mujoco.MjData(model)
+    mujoco.mj_setConst(model, data)  # a changed model; M of a lone body is such a constant
+    mujoco.mj_resetData(model, data)
     mujoco.mj_fwdPosition(model, data)
     return data
 
