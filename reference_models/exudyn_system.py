@@ -4,13 +4,10 @@ The modes come from Exudyn's own assembled M, K and constraint Jacobian, and the
 Exudyn's own kinematics: a mode loaded as a velocity moves the platform and the centre lines.
 """
 
-import importlib.util
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError
-from importlib.metadata import version as installed
 from typing import Any
 
 import numpy as np
@@ -64,12 +61,11 @@ AddRod = Callable[[Any, Any, Axis], Line]
 
 
 def describe(theory: str, order: int, refinements: tuple[int, int], remark: str) -> Info:
-    """Return what is known of a model on Exudyn, without importing Exudyn."""
+    """Return what is known of a model on Exudyn; it is there only if it can be imported."""
     try:
-        version = installed("exudyn") if importlib.util.find_spec("exudyn") else ""
-    except PackageNotFoundError:
-        version = ""
-    missing = "" if version else "exudyn is not installed; pip install exudyn"
+        version, missing = str(load().__version__), ""
+    except UnavailableError as error:
+        version, missing = "", str(error)
     return Info(theory, "Exudyn", version, order, refinements, remark, missing)
 
 
@@ -77,9 +73,12 @@ def load() -> Any:
     """Return the module exudyn, or raise `UnavailableError` with what to do."""
     try:
         import exudyn
+    except ModuleNotFoundError:
+        raise UnavailableError("exudyn is not installed; pip install exudyn") from None
     except ImportError as error:
-        text = f"exudyn cannot be imported ({error}); pip install exudyn"
-        raise UnavailableError(text) from error
+        # Its renderer is linked to OpenGL even where nothing is drawn.
+        remedy = "install the system's OpenGL library (Debian: apt-get install libgl1)"
+        raise UnavailableError(f"exudyn cannot be imported ({error}); {remedy}") from None
     return exudyn
 
 
