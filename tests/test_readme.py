@@ -1,0 +1,40 @@
+"""What the README shows is what the commands print."""
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+
+from analytic import Mechanism, Pose
+from harness.options import STAND_IN
+from reference_models import reference
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text()
+
+
+def test_the_table_is_the_accepted_one() -> None:
+    accepted = (ROOT / "results" / "table1.md").read_text()
+    table = "\n".join(line for line in accepted.splitlines() if line.startswith("|"))
+    assert table in README
+
+
+def test_links_lead_somewhere() -> None:
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", README):
+        assert (ROOT / target).exists(), target
+
+
+def test_the_python_example_runs() -> None:
+    (example,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+    exec(compile(example, "README.md", "exec"), {})
+
+
+def test_the_accepted_results_are_still_what_comes_out(case1: Pose, case2: Pose) -> None:
+    with (ROOT / "results" / "frequencies.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["model"].startswith(f"{STAND_IN}@12+24")]
+    model = reference(STAND_IN, elements=(12, 24))
+    for name, pose in (("case1", case1), ("case2", case2)):
+        accepted = [float(row["frequency_hz"]) for row in rows if row["case"] == name]
+        found = model.modes(Mechanism.paper(), pose).frequencies
+        np.testing.assert_allclose(found, accepted, rtol=1e-8)
