@@ -32,6 +32,9 @@ def main() -> None:
     except click.exceptions.Abort:
         console.print("rps-bench: interrupted")
         sys.exit(130)
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        sys.exit(2)
     except click.ClickException as error:
         console.print(f"rps-bench: {error.format_message()}")
         sys.exit(2)
@@ -89,7 +92,7 @@ def cli() -> None:
 def table(request: Request) -> int:
     """Table I: FEA, Theoretical and Error (%), beside what the paper prints.
 
-    Without --model each list of cases is compared by the model its first case is meant for.
+    Without --model the theory is the one that the first case is meant for.
     """
     from harness.compare import provenance_table, reference_table, table_one
     from harness.reproduce import tidy
@@ -117,7 +120,7 @@ def table(request: Request) -> int:
 @cli.command()
 @takes_request
 def convergence(request: Request) -> int:
-    """Fig. 3: error against the number of elements s, for every case and mode.
+    """Error against the number of elements s, for every case and mode, as in Fig. 3.
 
     With --references NAME@exact (euler-bernoulli@exact, say) it is the discretisation error alone,
     with its observed order.
