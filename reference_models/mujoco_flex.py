@@ -9,13 +9,14 @@ import numpy as np
 
 from reference_models.mujoco_rig import Limb, Rods, inertial, text
 
-THEORY = "Euler-Bernoulli, discrete elastic rod"
+THEORY = "Euler-Bernoulli"
 ORDER = 2
-REMARK = "lumped masses; no torsion"
+REMARK = "discrete elastic rod with lumped masses; the limbs' torsion modes are absent"
 
 CLAMP = 0.01
 """Length of the edge on the hinge body, relative to the others. It lies half before and half
-behind B_i: hinged anywhere else, or as long as the others, it would cost an order."""
+behind B_i, so that the first vertex to bend stands for the half span beyond it and no more: all
+of it behind would leave an error of the first order."""
 
 
 def rods(limbs: list[Limb], elements: int) -> Rods:

@@ -14,17 +14,18 @@ Array = NDArray[np.float64]
 
 
 def gap(model: Any, data: Any, limbs: list[Limb]) -> float:
-    """Return the largest gap of a joint [m]: hinge from B_i, rod's end from A_i, `connect`."""
+    """Return the largest gap of a joint [m]: hinge from B_i, rod's end from A_i.
+
+    A `connect` knows its gap; a flex's last vertex, on the platform, is where the platform is.
+    """
     hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
-    if model.nflex:
-        ends = data.flexvert_xpos[model.flex_vertadr + model.flex_vertnum - 1]
-    else:
-        ends = np.array([data.site(f"A{i}").xpos for i in range(len(limbs))])
     gaps = [
         data.xanchor[hinges] - [limb.base for limb in limbs],
-        ends - [limb.tip for limb in limbs],
         np.reshape(data.efc_pos, (-1, 3)),
     ]
+    if model.nflex:
+        ends = data.flexvert_xpos[model.flex_vertadr + model.flex_vertnum - 1]
+        gaps.append(ends - [limb.tip for limb in limbs])
     return float(np.linalg.norm(np.concatenate(gaps), axis=1).max())
 
 
