@@ -5,6 +5,7 @@ import io
 from dataclasses import dataclass
 
 import rich.table
+from rich.box import SIMPLE_HEAD
 from rich.console import Group
 from rich.text import Text
 from tabulate import tabulate
@@ -72,9 +73,12 @@ class Table:
 
     def terminal(self) -> Group:
         """Return what rich prints."""
-        table = rich.table.Table(title=Text(self.title, style="bold"), title_justify="left")
+        title = Text(self.title, style="bold")
+        table = rich.table.Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
         for name, numeric in zip(self.columns, self._numeric(), strict=True):
-            table.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
+            table.add_column(
+                name, justify="right" if numeric else "left", no_wrap=numeric, overflow="fold"
+            )
         first = [str(row[0]) for row in self.rows]
         grouped = len(set(first)) < len(first)
         for k, row in enumerate(self._text()):

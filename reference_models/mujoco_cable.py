@@ -46,6 +46,7 @@ class MujocoCable:
             "MuJoCo",
             installed,
             rods.ORDER,
+            rods.REFINEMENTS,
             remark=rods.REMARK,
             missing=_missing(installed),
         )
