@@ -14,6 +14,9 @@ from analytic.pose import Pose
 if TYPE_CHECKING:
     from reference_models.protocol import ReferenceModel
 
+SPARE = 2
+"""Modes that may lie beyond those asked for and still belong among them in the limit."""
+
 
 @dataclass(frozen=True)
 class Richardson:
@@ -39,13 +42,13 @@ class Richardson:
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the extrapolated modes; raises whatever the model itself raises."""
-        # One mode more from the coarse mesh: a crossing must not push a mode out of the list.
-        coarse = self.coarse.modes(mechanism, pose, count + 1)
-        fine = self.fine.modes(mechanism, pose, count)
+        # More modes than asked for: one that crosses the end of a mesh's list must be found.
+        coarse = self.coarse.modes(mechanism, pose, count + 2 * SPARE)
+        fine = self.fine.modes(mechanism, pose, count + SPARE)
         ratio = self.fine.elements / self.coarse.elements
         partner = pair(fine, coarse, mechanism, pose).partner
         step = (fine.frequencies - coarse.frequencies[partner]) / (ratio**self.order - 1)
-        order = np.argsort(fine.frequencies + step)
+        order = np.argsort(fine.frequencies + step)[:count]
         return replace(
             fine,
             frequencies=(fine.frequencies + step)[order],

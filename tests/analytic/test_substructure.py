@@ -52,6 +52,23 @@ def test_no_base_orientation_is_singular(degrees: float) -> None:
     np.testing.assert_allclose(frequencies(Mechanism.paper(heading=turn), pose), CASE2, rtol=1e-5)
 
 
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_axes_exactly_along_x(quarters: int) -> None:
+    """Turned by right angles without rounding, an axis has R(2,2) = 0 or R(1,2) = 0 to the bit."""
+
+    def turn(v: tuple[float, float, float]) -> tuple[float, float, float]:
+        for _ in range(quarters):
+            v = (-v[1], v[0], v[2])
+        return v
+
+    paper = Mechanism.paper()
+    limbs = [Limb(turn(b.base), turn(b.axis), turn(b.platform_point), b.rod) for b in paper.limbs]
+    assert 0.0 in limbs[0].axis[:2]
+    pose = Pose(0.49, np.radians(10) + quarters * np.pi / 2, np.radians(-12))
+    turned = Mechanism(tuple(limbs), paper.platform)
+    np.testing.assert_allclose(frequencies(turned, pose), CASE2, rtol=1e-5)
+
+
 @given(pose=poses, beam=st.sampled_from(THEORIES), elements=st.integers(1, 4))
 @settings(max_examples=40, deadline=None)
 def test_120_degree_symmetry(pose: Pose, beam: str, elements: int) -> None:
