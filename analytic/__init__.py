@@ -1,10 +1,12 @@
 """The analytic elastodynamic model of R-P-S parallel manipulators: numpy and scipy only."""
 
+from analytic.condensed import condensed_frequencies
 from analytic.continuum import Continuum
 from analytic.errors import InputError
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
 from analytic.modes import STATIONS, Modes
+from analytic.multipliers import Multipliers
 from analytic.pose import Pose, position
 from analytic.substructure import Substructure
 from analytic.theory import Theory
@@ -20,11 +22,13 @@ __all__ = [
     "Material",
     "Mechanism",
     "Modes",
+    "Multipliers",
     "Platform",
     "Pose",
     "Rod",
     "Substructure",
     "Theory",
+    "condensed_frequencies",
     "limbs_at",
     "position",
 ]

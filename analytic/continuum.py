@@ -107,7 +107,8 @@ def _eigenspace(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return platform (size, 6), tip motion and tip forces (size, n, 3) of unit modal mass.
 
-    The modes are B's null vectors (of the static stiffness for `free` motion), and U^T M_p U - sum d_k'(lambda) w_k^2 is their modal mass.
+    The modes are B's null vectors (of the static stiffness for `free` motion); their modal mass
+    is U^T M_p U - sum d_k'(lambda) w_k^2.
     """
     lam = np.array([eigenvalue])
     B, stiff, d = problem.bordered(lam)

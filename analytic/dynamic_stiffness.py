@@ -100,6 +100,7 @@ def _continuum_waves(rods: Sections, lengths: Array, lam: Array) -> Waves:
     G1, G2 = _ordered(G1, G2)
     K2 = G2 - shear
     K1 = -mass * (1 - rotary * rods.flexibility / 12) / K2
+    K1 = np.where(np.abs(K1) < TINY * np.abs(K2), TINY * np.abs(K2), K1)
     G, K = np.stack([G1, G2]), np.stack([K1, K2])
     kappa, eta = _continuum_tip(K, lengths)
     return Waves(K, G / K, -lam * rods.line_mass / K, rods.EI * G, kappa, eta)
@@ -166,6 +167,8 @@ def _ordered(a: Array, b: Array) -> tuple[Array, Array]:
 
 NEARLY_REAL = 1e-9
 """A smaller relative imaginary part is a complex step: its square is beyond the last digit."""
+TINY = 1e-16
+"""Where a wave's K vanishes, cosh = 1 + TINY stands for cosh = 1: all limits there are smooth."""
 
 
 def _continuum_tip(K: Array, length: Array) -> tuple[Array, Array]:
@@ -183,13 +186,18 @@ def _continuum_tip(K: Array, length: Array) -> tuple[Array, Array]:
 
 def _chain_tip(e: Array, s: int) -> tuple[Array, Array]:
     """Return kappa = sinh(alpha) coth(s alpha) and eta, cosh(alpha) = 1 + e."""
+    # kappa is odd and eta even or odd in cosh(alpha): both ends of the band are exact alike.
+    flipped = e.real < -1
+    e = np.where(flipped, -2 - e, e)
+    e = np.where(np.abs(e) < TINY, TINY, e)
     half = np.sqrt(_base(e) / 2 + 0j)
     kappa, eta = _hyperbolic(2 * half * np.sqrt(1 + half**2), s * 2 * np.arcsinh(half))
     K = e * (2 + e)
-    return (
+    kappa, eta = (
         _stepped(kappa, (e, ((1 + e) * kappa - s * eta**2) / K)),
         _stepped(eta, (e, eta * (1 + e - s * kappa) / K)),
     )
+    return np.where(flipped, -kappa, kappa), np.where(flipped, (-1) ** (s - 1) * eta, eta)
 
 
 def _hyperbolic(scale: Array, argument: Array) -> tuple[Array, Array]:

@@ -1,0 +1,238 @@
+"""The inner loop of `condensed` for a compiler (numba), where one is installed.
+
+The same steps as `Reduced.pencil` and `condensed.corrected` in numpy, a pose at a time: Cholesky,
+Householder's tridiagonal form, implicit QL (Golub and Van Loan, 8.3), then the correction. Only the
+vectors' part that moves the platform is carried along.
+"""
+
+import importlib
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@lru_cache(maxsize=1)
+def compiled() -> Callable[..., Any] | None:
+    """Return `solve_poses` compiled, or None without numba. The first call of it takes seconds."""
+    try:
+        numba = importlib.import_module("numba")
+    except ImportError:
+        return None
+    result: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(solve_poses)
+    return result
+
+
+def solve_poses(
+    a: Floats,
+    P: Floats,
+    slope: Floats,
+    poles: Floats,
+    residues: Floats,
+    owner: NDArray[np.intp],
+    powers: Floats,
+    caps: Floats,
+    tolerance: float,
+    start: Floats,
+    found: Floats,
+    settled: NDArray[np.bool_],
+) -> None:
+    """Fill `start` (N, m), `found` (N, count) and `settled` (N,); see `Reduced` for the rest."""
+    N, K = P.shape
+    m = start.shape[1]
+    p = m - 6
+    count = found.shape[1]
+    C = np.empty((6, 6))
+    at = np.empty((K, 6))
+    A = np.empty((m, m))
+    Q = np.empty((m, m))
+    Z = np.empty((m, 6))
+    d, e, v, w = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
+    beta = np.empty(m)
+    V = np.empty((m, K))
+    x, rho, y = np.empty(K), np.empty(K), np.empty(m)
+    order = np.empty(m, dtype=np.int64)
+    for n in range(N):
+        # C C^T = I - sum slope_k a_k a_k^T, and the directions in those coordinates.
+        for i in range(6):
+            for j in range(i + 1):
+                total = 1.0 if i == j else 0.0
+                for k in range(K):
+                    total -= slope[n, k] * a[n, k, i] * a[n, k, j]
+                for k in range(j):
+                    total -= C[i, k] * C[j, k]
+                C[i, j] = math.sqrt(total) if i == j else total / C[j, j]
+        for k in range(K):
+            for i in range(6):
+                total = a[n, k, i]
+                for j in range(i):
+                    total -= C[i, j] * at[k, j]
+                at[k, i] = total / C[i, i]
+        A[:, :] = 0.0
+        # Limb modes first, then the platform: graded from large to small.
+        for i in range(6):
+            for j in range(i + 1):
+                total = 0.0
+                for k in range(K):
+                    total += P[n, k] * at[k, i] * at[k, j]
+                A[p + i, p + j] = total
+                A[p + j, p + i] = total
+        for q in range(p):
+            A[q, q] = poles[n, q]
+            root = math.sqrt(residues[n, q])
+            for i in range(6):
+                A[q, p + i] = -root * at[owner[q], i]
+                A[p + i, q] = A[q, p + i]
+        # Householder: A = Q T Q^T; the reflections stay below the diagonal of A.
+        for k in range(m - 2):
+            norm = 0.0
+            for i in range(k + 1, m):
+                norm += A[i, k] * A[i, k]
+            norm = math.sqrt(norm)
+            d[k] = A[k, k]
+            beta[k] = 0.0
+            if norm == 0.0:
+                e[k] = 0.0
+                continue
+            alpha = -norm if A[k + 1, k] > 0 else norm
+            e[k] = alpha
+            beta[k] = 1.0 / (norm * norm - alpha * A[k + 1, k])
+            A[k + 1, k] -= alpha
+            dot = 0.0
+            for i in range(k + 1, m):
+                total = 0.0
+                for j in range(k + 1, m):
+                    total += A[i, j] * A[j, k]
+                w[i] = beta[k] * total
+                dot += w[i] * A[i, k]
+            for i in range(k + 1, m):
+                v[i] = A[i, k]
+                w[i] -= 0.5 * beta[k] * dot * v[i]
+            for i in range(k + 1, m):
+                for j in range(k + 1, m):
+                    A[i, j] -= v[i] * w[j] + w[i] * v[j]
+        d[m - 2], d[m - 1] = A[m - 2, m - 2], A[m - 1, m - 1]
+        e[m - 2], e[m - 1] = A[m - 1, m - 2], 0.0
+        # The platform's six rows of Q: the reflections applied to unit rows in turn.
+        for i in range(m):
+            for j in range(6):
+                Q[j, i] = 1.0 if i == p + j else 0.0
+        for k in range(m - 2):
+            if beta[k] != 0.0:
+                for j in range(6):
+                    total = 0.0
+                    for i in range(k + 1, m):
+                        total += Q[j, i] * A[i, k]
+                    total *= beta[k]
+                    for i in range(k + 1, m):
+                        Q[j, i] -= total * A[i, k]
+        # QL keeps the digits of small eigenvalues where they come first: turn T around.
+        for i in range(m):
+            for j in range(6):
+                Z[i, j] = Q[j, m - 1 - i]
+        for i in range(m // 2):
+            d[i], d[m - 1 - i] = d[m - 1 - i], d[i]
+        for i in range((m - 1) // 2):
+            e[i], e[m - 2 - i] = e[m - 2 - i], e[i]
+        for first in range(m):
+            for _ in range(60):
+                last = first
+                while last < m - 1 and abs(e[last]) > 1.1e-16 * (abs(d[last]) + abs(d[last + 1])):
+                    last += 1
+                if last == first:
+                    break
+                g = (d[first + 1] - d[first]) / (2.0 * e[first])
+                r = math.sqrt(g * g + 1.0)
+                g = d[last] - d[first] + e[first] / (g + (r if g >= 0 else -r))
+                s, c, lift = 1.0, 1.0, 0.0
+                whole = True
+                for i in range(last - 1, first - 1, -1):
+                    f, b = s * e[i], c * e[i]
+                    r = math.sqrt(f * f + g * g)
+                    e[i + 1] = r
+                    if r == 0.0:
+                        d[i + 1] -= lift
+                        e[last] = 0.0
+                        whole = False
+                        break
+                    s, c = f / r, g / r
+                    g = d[i + 1] - lift
+                    r = (d[i] - g) * s + 2.0 * c * b
+                    lift = s * r
+                    d[i + 1] = g + lift
+                    g = c * r - b
+                    for j in range(6):
+                        f = Z[i + 1, j]
+                        Z[i + 1, j] = s * Z[i, j] + c * f
+                        Z[i, j] = c * Z[i, j] - s * f
+                if whole:
+                    d[first] -= lift
+                    e[first] = g
+                    e[last] = 0.0
+        for i in range(m):
+            order[i] = i
+        for i in range(1, m):
+            j, moved = i, order[i]
+            while j > 0 and d[order[j - 1]] > d[moved]:
+                order[j] = order[j - 1]
+                j -= 1
+            order[j] = moved
+        limit = np.inf
+        for k in range(K):
+            limit = min(limit, caps[n, k])
+        for i in range(m):
+            start[n, i] = d[order[i]]
+            for k in range(K):
+                total = 0.0
+                for j in range(6):
+                    total += at[k, j] * Z[order[i], j]
+                V[i, k] = total
+        # The correction for the curvature of P_k, as in `condensed.corrected`.
+        settled[n] = True
+        for i in range(count):
+            for k in range(K):
+                x[k] = V[i, k]
+            value = start[n, i]
+            old_value, old_answer, slower = value, value, 0.0
+            good = False
+            for step in range(4):
+                at_most = min(value, limit)
+                quotient = 0.0
+                for k in range(K):
+                    t = 2.0 * at_most / caps[n, k] - 1.0
+                    total = powers[n, k, powers.shape[2] - 1]
+                    for j in range(powers.shape[2] - 2, -1, -1):
+                        total = total * t + powers[n, k, j]
+                    rho[k] = total - P[n, k] - slope[n, k] * value
+                norm = 0.0
+                for j in range(m):
+                    total = 0.0
+                    for k in range(K):
+                        total += rho[k] * x[k] * V[j, k]
+                    y[j] = 1.0 if j == i else -total / (start[n, j] - value)
+                    norm += y[j] * y[j]
+                    quotient += y[j] * y[j] * (start[n, j] - start[n, i])
+                for k in range(K):
+                    x[k] = 0.0
+                for j in range(m):
+                    for k in range(K):
+                        x[k] += y[j] * V[j, k]
+                for k in range(K):
+                    quotient += rho[k] * x[k] * x[k]
+                answer = start[n, i] + quotient / norm
+                good = abs(answer - value) < tolerance * abs(answer) and norm < 1.01
+                if step > 0 and abs(value - old_value) > 1e-8 * value:
+                    slower = (answer - old_answer) / (value - old_value)
+                    if not abs(slower) <= 0.5:
+                        slower = 0.0
+                old_value, old_answer = value, answer
+                value += (answer - value) / (1.0 - slower)
+                if good:
+                    break
+            found[n, i] = value
+            settled[n] = settled[n] and good

@@ -1,0 +1,188 @@
+"""Many poses at once: equal to the models it condenses, whatever the batch holds."""
+
+import time
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from analytic import (
+    Continuum,
+    InputError,
+    Limb,
+    Material,
+    Mechanism,
+    Platform,
+    Pose,
+    Rod,
+    Substructure,
+    condensed,
+    condensed_frequencies,
+)
+from analytic.kernel import compiled
+
+THEORIES = [("euler-bernoulli", "cowper"), ("rayleigh", "cowper"), ("timoshenko", 0.9)]
+PLATE = Platform.disc(0.2, 0.02, 7820)
+STEEL = Material(200e9, 77e9, 7820)
+
+
+@pytest.fixture(params=["numpy", "compiled"], autouse=True)
+def route(request, monkeypatch):
+    """Everything holds for plain numpy and, where numba is installed, for the compiled loop."""
+    if request.param == "numpy":
+        monkeypatch.setattr(condensed, "compiled", lambda: None)
+    elif compiled() is None:
+        pytest.skip("numba is not installed")
+
+
+def one_by_one(mechanism, poses, elements, beam, shear, count=6):
+    model = Continuum(beam, shear) if elements is None else Substructure(elements, beam, shear)
+    return np.array([model.modes(mechanism, pose, count).frequencies for pose in poses])
+
+
+def check(mechanism, poses, elements, beam="euler-bernoulli", shear="cowper", count=6, rtol=1e-9):
+    found = condensed_frequencies(mechanism, poses, elements, beam=beam, shear=shear, count=count)
+    expected = one_by_one(mechanism, poses, elements, beam, shear, count)
+    np.testing.assert_allclose(found, expected, rtol=rtol)
+
+
+@pytest.mark.parametrize(("beam", "shear"), THEORIES)
+@pytest.mark.parametrize("elements", [1, 2, 3, 8, None])
+def test_equals_the_full_model(robot, workspace_poses, beam, shear, elements):
+    check(robot, workspace_poses(8, 21), elements, beam, shear)
+
+
+@pytest.mark.parametrize("elements", [1, 3, None])
+@pytest.mark.parametrize("beam", ["euler-bernoulli", "timoshenko"])
+def test_more_modes_torsion_among_them(robot, workspace_poses, elements, beam):
+    check(robot, workspace_poses(3, 22), elements, beam, count=18)
+
+
+def test_all_modes_of_one_element(robot, workspace_poses):
+    check(robot, workspace_poses(3, 23), 1, count=18)
+    with pytest.raises(InputError, match="count"):
+        condensed_frequencies(robot, Pose(0.5), 1, count=19)
+
+
+@pytest.mark.parametrize("elements", [3, None])
+def test_symmetric_poses_in_a_batch(robot, elements):
+    """Repeated pairs, exactly and nearly, at zero and tiny tilt, among ordinary poses."""
+    tilt = [0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, -0.2, 0.0]
+    poses = Pose(np.r_[np.full(9, 0.49), 0.61], 0.3, np.array(tilt))
+    for beam, shear in THEORIES:
+        # The last one wanted may be half of a pair.
+        for count in (1, 5, 6):
+            check(robot, poses, elements, beam, shear, count)
+
+
+def test_modes_next_to_poles(robot, workspace_poses):
+    """A heavy platform leaves the limbs' modes at their fixed-tip frequencies."""
+    for mass in (1e3, 1e5, 1e7):
+        heavy = Mechanism(robot.limbs, Platform.diagonal(mass, (0.1 * mass,) * 3))
+        check(heavy, workspace_poses(3, 24), None, count=9, rtol=1e-9)
+
+
+def test_platforms_that_stand_still():
+    """Eight limbs: roots exactly at a pole, five times."""
+    eight = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), PLATE, limbs=8)
+    check(eight, Pose([0.4, 0.5]), None, count=10)
+    check(eight, Pose([0.4, 0.5]), 4, count=10)
+
+
+@pytest.mark.parametrize("elements", [2, None])
+def test_different_rods(elements):
+    regular = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), PLATE, limbs=4)
+    rods = [Rod(STEEL, 0.05), Rod(Material(70e9, 26e9, 2700), 0.03), Rod(STEEL, 0.02)]
+    limbs = [
+        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        for limb, rod in zip(regular.limbs, [*rods, rods[0]], strict=True)
+    ]
+    inertia = ((0.2, 0.03, 0.01), (0.03, 0.3, 0.02), (0.01, 0.02, 0.4))
+    mixed = Mechanism(tuple(limbs), Platform(12.0, inertia))
+    for beam, shear in THEORIES:
+        check(mixed, Pose(np.linspace(0.3, 0.7, 4)), elements, beam, shear, count=10)
+
+
+def test_what_fails_the_count_is_solved_by_bisection(robot, workspace_poses, monkeypatch):
+    poses = workspace_poses(4, 25)
+    expected = condensed_frequencies(robot, poses)
+    monkeypatch.setattr(
+        condensed, "_counted", lambda problem, *rest: np.zeros(len(problem.lengths), dtype=bool)
+    )
+    np.testing.assert_allclose(condensed_frequencies(robot, poses), expected, rtol=1e-11)
+
+
+def test_the_count_notices_a_missed_mode(robot, workspace_poses, monkeypatch):
+    """Let the first attempt lose its third mode: the answer is still right."""
+    poses, solve = workspace_poses(4, 26), condensed._counted
+    expected = condensed_frequencies(robot, poses, count=5)
+    sixth = (2 * np.pi * condensed_frequencies(robot, poses, count=6)[:, -1]) ** 2
+    attempts = []
+
+    def lossy(problem, rods, elements, found):
+        if not attempts:
+            found[:, 2:-1] = found[:, 3:]
+            found[:, -1] = sixth
+        attempts.append(solve(problem, rods, elements, found))
+        return attempts[-1]
+
+    monkeypatch.setattr(condensed, "_counted", lossy)
+    np.testing.assert_allclose(condensed_frequencies(robot, poses, count=5), expected, rtol=1e-11)
+    assert not attempts[0].any()
+
+
+def test_shapes_of_the_answer(robot, case2):
+    single = condensed_frequencies(robot, case2, 3)
+    assert single.shape == (6,)
+    grid = Pose(np.full((2, 3), case2.z), case2.azimuth, case2.tilt)
+    np.testing.assert_allclose(
+        condensed_frequencies(robot, grid, 3, count=2), single[:2] * np.ones((2, 3, 1))
+    )
+    assert condensed_frequencies(robot, Pose(np.zeros(0) + 0.5)).shape == (0, 6)
+
+
+def test_refuses_bad_input(robot, case1):
+    for bad in ({"elements": 0}, {"beam": "plate"}, {"count": 0}, {"count": 2.5}):
+        with pytest.raises(InputError):
+            condensed_frequencies(robot, case1, **bad)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("elements", [3, None])
+def test_ten_thousand_poses_keep_their_counts(robot, workspace_poses, elements):
+    """Sampled against the full model; everywhere ascending, finite and below the next mode."""
+    poses = workspace_poses(10_000, 27)
+    found = condensed_frequencies(robot, poses, elements, beam="timoshenko")
+    assert np.isfinite(found).all()
+    assert (np.diff(found, axis=1) >= 0).all()
+    some = np.arange(0, 10_000, 500)
+    expected = one_by_one(robot, poses[some], elements, "timoshenko", "cowper")
+    np.testing.assert_allclose(found[some], expected, rtol=1e-9)
+
+
+def seconds(call, repeats):
+    taken = []
+    for _ in range(repeats):
+        begin = time.process_time()
+        call()
+        taken.append(time.process_time() - begin)
+    return float(np.median(taken))
+
+
+@pytest.mark.slow
+def test_cost_of_a_batch(robot, workspace_poses):
+    """In 6 x 6 `eigh` calls of numpy, measured in the same run; no element count enters."""
+    poses = workspace_poses(4000, 28)
+    matrices = np.random.default_rng(0).normal(size=(4000, 6, 6))
+    ratios = {}
+    for elements in (1, 64, None):
+        condensed_frequencies(robot, poses, elements)
+        pairs = []
+        for _ in range(5):
+            unit = seconds(lambda: np.linalg.eigh(matrices), 1)
+            pairs.append(
+                seconds(lambda s=elements: condensed_frequencies(robot, poses, s), 1) / unit
+            )
+        ratios[elements] = np.median(pairs)
+    assert max(ratios.values()) < 12
+    assert ratios[64] < 1.2 * ratios[1]
