@@ -1,10 +1,13 @@
 """Eqs. (23)-(24): the lowest natural frequencies and modes of (K, M)."""
 
+from contextlib import suppress
+
 import numpy as np
 import scipy.linalg
 import scipy.sparse
-import scipy.sparse.linalg
 from numpy.typing import NDArray
+
+from analytic.lanczos import SingularError, lowest_sparse
 
 Array = NDArray[np.float64]
 FREE = 1e-10
@@ -16,18 +19,17 @@ def lowest_modes(
 ) -> tuple[Array, Array]:
     """Return frequencies [Hz], shape (count,), and mass-normalised vectors, (dofs, count).
 
-    (K - omega_i^2 M) Phi_i = 0. `solver`: "dense" (LAPACK) or "sparse" (shift-invert Lanczos).
+    (K - omega_i^2 M) Phi_i = 0. `solver`: "dense" (LAPACK) or "sparse" (block
+    Lanczos; LAPACK as well where a free motion makes K singular).
     """
-    if solver == "sparse" and count < K.shape[0] - 1:
-        # A fixed start vector: the same input gives the same bits.
-        start = np.sin(np.arange(1.0, K.shape[0] + 1))
-        values, vectors = scipy.sparse.linalg.eigsh(
-            K.tocsc(), k=count, M=M.tocsc(), sigma=0.0, v0=start, tol=0.0
-        )
-        order = np.argsort(values)
-        values, vectors = values[order], vectors[:, order]
-    else:
-        values, vectors = _dense(K.toarray(), M.toarray(), count)
+    if solver == "sparse":
+        with suppress(SingularError):
+            return hertz(*lowest_sparse(K, M, count))
+    return hertz(*_dense(K.toarray(), M.toarray(), count))
+
+
+def hertz(values: Array, vectors: Array) -> tuple[Array, Array]:
+    """Return frequencies of omega^2, and the vectors as they are."""
     # A mechanism that can move freely has omega = 0, up to rounding of either sign.
     return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), vectors
 

@@ -1,6 +1,7 @@
 """The paper's model: substructure synthesis over independent displacement coordinates."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ class Substructure:
         The order is U of Eq. (19): for every limb its independent angle at B_i, its inner nodes
         and Phi_Ai; last Delta_p and Phi_p.
         """
-        return self._matrices(mechanism, pose, _single(mechanism, pose))
+        return self._matrices(mechanism, pose, limbs_at_one(mechanism, pose))
 
     def _matrices(
         self, mechanism: Mechanism, pose: Pose, limbs: Limbs
@@ -60,7 +61,7 @@ class Substructure:
         K_bar = sp.csr_array((H_p.shape[1], H_p.shape[1]))
         M_bar = H_p.T @ sp.csr_array(platform_mass(mechanism, pose)) @ H_p
         for i in range(n):
-            K_i, M_i = self._limb(mechanism, limbs, i)
+            K_i, M_i = limb_matrices(mechanism, limbs, i, s, self.theory)
             H_i = limb_selection(i, n, s, limbs.arms[i])
             K_bar = K_bar + H_i.T @ K_i @ H_i
             M_bar = M_bar + H_i.T @ M_i @ H_i
@@ -68,26 +69,13 @@ class Substructure:
         Q = independent_coordinates(mechanism.axes, s)
         return sp.csr_array(Q.T @ K_bar @ Q), sp.csr_array(Q.T @ M_bar @ Q)
 
-    def _limb(
-        self, mechanism: Mechanism, limbs: Limbs, i: int
-    ) -> tuple[sp.csr_array, sp.csr_array]:
-        """Return K_i, M_i of one rod in global axes, Eqs. (4)-(6), each (6 (s+1), 6 (s+1)).
-
-        Every element has the same frame, so T_i is applied to one of them before they are joined.
-        """
-        s = self.elements
-        T = np.kron(np.eye(4), limbs.frames[i])
-        element = element_matrices(mechanism.limbs[i].rod, limbs.lengths[i] / s, self.theory)
-        K, M = (_joined(T @ matrix @ T.T, s) for matrix in element)
-        return K, M
-
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose, Eqs. (23)-(24).
 
         Raises `InputError` for a pose out of reach, or more modes than coordinates.
         """
         begin = time.perf_counter()
-        limbs = _single(mechanism, pose)
+        limbs = limbs_at_one(mechanism, pose)
         K, M = self._matrices(mechanism, pose, limbs)
         built = time.perf_counter()
         check_count(count, K.shape[0])
@@ -95,18 +83,14 @@ class Substructure:
         solved = time.perf_counter()
         expanded = independent_coordinates(mechanism.axes, self.elements) @ U
         n = len(mechanism.limbs)
-        motion = np.empty((count, n, len(STATIONS), 3))
-        for i, limb in enumerate(mechanism.limbs):
-            nodes = limb_selection(i, n, self.elements, limbs.arms[i]) @ expanded
-            R = limbs.frames[i]
-            local = (nodes.reshape(-1, 3, count).transpose(0, 2, 1) @ R).transpose(0, 2, 1)
-            shape = centre_line(limb.rod, limbs.lengths[i], self.elements, self.theory, STATIONS)
-            motion[:, i] = np.einsum("kdj,jm->mkd", shape, local.reshape(-1, count)) @ R.T
+        nodes = [
+            limb_selection(i, n, self.elements, arm) @ expanded for i, arm in enumerate(limbs.arms)
+        ]
         materials = {limb.rod.material for limb in mechanism.limbs}
         return Modes(
             frequencies=frequencies,
             platform=expanded[-6:].T,
-            limbs=motion,
+            limbs=limb_motion(mechanism, limbs, nodes, self.theory),
             theory="; ".join(sorted({self.theory.label(m) for m in materials})),
             model="substructure",
             version=f"rps-bench, {self.solver}",
@@ -118,10 +102,41 @@ class Substructure:
         )
 
 
-def _single(mechanism: Mechanism, pose: Pose) -> Limbs:
+def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
+    """Return the limbs at a single pose; raises `InputError` for an array of poses."""
     if pose.shape:
         raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
     return limbs_at(mechanism, pose)
+
+
+def limb_matrices(
+    mechanism: Mechanism, limbs: Limbs, i: int, s: int, theory: Theory
+) -> tuple[sp.csr_array, sp.csr_array]:
+    """Return K_i, M_i of one free rod in global axes, Eqs. (4)-(6), each (6 (s+1), 6 (s+1)).
+
+    Every element has the same frame, so T_i is applied to one of them before they are joined.
+    """
+    T = np.kron(np.eye(4), limbs.frames[i])
+    element = element_matrices(mechanism.limbs[i].rod, limbs.lengths[i] / s, theory)
+    K, M = (_joined(T @ matrix @ T.T, s) for matrix in element)
+    return K, M
+
+
+def limb_motion(
+    mechanism: Mechanism, limbs: Limbs, nodes: Sequence[NDArray[np.float64]], theory: Theory
+) -> NDArray[np.float64]:
+    """Return global displacement at `STATIONS`, (m, n, 11, 3), from m motions of limbs' nodes.
+
+    `nodes` holds for every limb its coordinates in global axes, shape (6 (s+1), m).
+    """
+    count, s = nodes[0].shape[1], len(nodes[0]) // 6 - 1
+    motion = np.empty((count, len(nodes), len(STATIONS), 3))
+    for i, (limb, node) in enumerate(zip(mechanism.limbs, nodes, strict=True)):
+        R = limbs.frames[i]
+        local = (node.reshape(-1, 3, count).transpose(0, 2, 1) @ R).transpose(0, 2, 1)
+        shape = centre_line(limb.rod, limbs.lengths[i], s, theory, STATIONS)
+        motion[:, i] = np.einsum("kdj,jm->mkd", shape, local.reshape(-1, count)) @ R.T
+    return motion
 
 
 def _joined(element: NDArray[np.float64], s: int) -> sp.csr_array:
