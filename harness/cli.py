@@ -1,15 +1,12 @@
 """The command line: options to objects, results to the terminal and to files."""
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import click
 import numpy as np
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from threadpoolctl import threadpool_limits
 
 from analytic import InputError, __version__
@@ -19,6 +16,7 @@ from harness.cases import PRESETS
 from harness.files import OutputError, write_all
 from harness.options import STAND_IN, Request, available, takes_request
 from harness.tables import Cell, Number, Table
+from harness.terminal import progress, show, status, write
 from reference_models import UnavailableError, catalogue
 
 
@@ -28,7 +26,7 @@ def main() -> None:
     try:
         # Small matrices on many threads are slower by orders of magnitude.
         with threadpool_limits(1):
-            status = cli(standalone_mode=False)
+            ended = cli(standalone_mode=False)
     except click.exceptions.Abort:
         console.print("rps-bench: interrupted")
         sys.exit(130)
@@ -41,44 +39,7 @@ def main() -> None:
     except (InputError, UnavailableError, OutputError) as error:
         console.print(f"rps-bench: {error}")
         sys.exit(2)
-    sys.exit(status if isinstance(status, int) else 0)
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[str], None]]:
-    """Show a bar on the terminal's error stream; yield what to call after each step."""
-    columns = (
-        TextColumn("[progress.description]{task.description:40.40}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    console = Console(stderr=True)
-    quiet = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
-        task = bar.add_task("starting", total=total)
-        yield lambda what: bar.update(task, advance=1, description=what)
-
-
-def _show(*tables: Table) -> None:
-    # A pipe has no width of its own: leave the table as wide as it needs to be.
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else 240)
-    for table in tables:
-        console.print(table.terminal())
-        console.print()
-
-
-def _write(output: Path | None, files: dict[str, bytes]) -> None:
-    if output is not None:
-        for path in write_all(output, files):
-            click.echo(f"wrote {path}")
-
-
-def _status(failures: dict[tuple[str, str], str]) -> int:
-    """Say on the error stream what failed; return the exit status."""
-    for (case, label), why in failures.items():
-        click.echo(f"rps-bench: {label} failed at {case}: {why}", err=True)
-    return 1 if failures else 0
+    sys.exit(ended if isinstance(ended, int) else 0)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -103,18 +64,18 @@ def table(request: Request) -> int:
     theories = [theory]
     if request.elements is not None:
         theories = [replace(theory, elements=s) for s in request.steps("")]
-    with _progress(len(cases) * (len(theories) + len(against))) as done:
+    with progress(len(cases) * (len(theories) + len(against))) as done:
         study = run(cases, [*theories, *against], max(shown), done)
     tables = {"table1": table_one(study, theories, against, shown)}
     for spec in theories:
         tables[f"references-{spec.label}"] = reference_table(study, spec, against, shown)
     tables["provenance"] = provenance_table(study)
-    _show(*tables.values())
+    show(*tables.values())
     files = {"frequencies.csv": tidy(rows(study))}
     for stem, result in tables.items():
         files |= result.files(stem)
-    _write(folder, files)
-    return _status(study.failures)
+    write(folder, files)
+    return status(study.failures)
 
 
 @cli.command()
@@ -129,18 +90,18 @@ def convergence(request: Request) -> int:
 
     cases, shown, against = request.chosen, request.shown, request.against(STAND_IN)
     theory, steps, folder = request.theory(cases[0].model), request.steps("1-8"), request.folder
-    with _progress(len(against) * len(cases) * (1 + len(steps))) as done:
+    with progress(len(against) * len(cases) * (1 + len(steps))) as done:
         results = [converge(cases, theory, steps, ref, max(shown), done) for ref in against]
     files: dict[str, bytes] = {}
     failures: dict[tuple[str, str], str] = {}
     for result in results:
-        _show(*convergence_tables(result, shown))
+        show(*convergence_tables(result, shown))
         if folder is not None:
             stem = f"convergence-{result.reference.label}"
             files |= convergence_files(result, shown, stem)
         failures |= result.study.failures
-    _write(folder, files)
-    return _status(failures)
+    write(folder, files)
+    return status(failures)
 
 
 @cli.command()
@@ -154,7 +115,7 @@ def models() -> None:
         here = f"no: {info.missing}" if info.missing else "yes"
         rows.append((name, info.theory, f"{info.program} {info.version}", here, info.remark))
     columns = ("Model", "Theory", "Version", "Available", "Remarks")
-    _show(Table("Models", columns, tuple(rows)))
+    show(Table("Models", columns, tuple(rows)))
 
 
 @cli.command(name="cases")
@@ -168,7 +129,7 @@ def list_cases(case_file: str | None) -> None:
         pose = (Number(1000 * case.pose.z, 2), Number(azimuth, 2), Number(tilt, 2))
         rows.append((case.name, case.model, *pose, case.note))
     columns = ("Case", "Model", "z [mm]", "azimuth [deg]", "tilt [deg]", "What was read or fitted")
-    _show(Table("Cases", columns, tuple(rows)))
+    show(Table("Cases", columns, tuple(rows)))
 
 
 @cli.command(name="reproduce")
@@ -183,10 +144,10 @@ def run_reproduce(request: Request) -> int:
     cases, shown, against = request.chosen, request.shown, request.against(available())
     theory, steps = request.theory("euler-bernoulli@3"), request.steps("1-8")
     folder = request.folder or Path("results")
-    with _progress(solves(cases, theory, against, steps)) as done:
+    with progress(solves(cases, theory, against, steps)) as done:
         result = reproduce(cases, theory, against, steps, shown, done)
     written = write_all(folder, result.files)
-    _show(result.table1)
+    show(result.table1)
     click.echo("What agrees with the paper's Table I, what does not, and why:")
     for line in result.summary:
         click.echo(f"  - {line}")
@@ -194,4 +155,4 @@ def run_reproduce(request: Request) -> int:
         if info.missing:
             click.echo(f"  - not run: {name}: {info.missing}")
     click.echo(f"{len(written)} files in {folder}/; start with {folder / 'summary.md'}")
-    return _status(result.failures)
+    return status(result.failures)

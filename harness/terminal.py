@@ -1,0 +1,52 @@
+"""What a command shows and writes: tables, progress, files and failures."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from harness.files import write_all
+from harness.tables import Table
+
+
+@contextmanager
+def progress(total: int) -> Iterator[Callable[[str], None]]:
+    """Show a bar on the terminal's error stream; yield what to call after each step."""
+    columns = (
+        TextColumn("[progress.description]{task.description:40.40}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    quiet = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
+        task = bar.add_task("starting", total=total)
+        yield lambda what: bar.update(task, advance=1, description=what)
+
+
+def show(*tables: Table) -> None:
+    """Print tables with their titles and notes."""
+    # A pipe has no width of its own: leave the table as wide as it needs to be.
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 240)
+    for table in tables:
+        console.print(table.terminal())
+        console.print()
+
+
+def write(output: Path | None, files: dict[str, bytes]) -> None:
+    """Write `files` into `output`, if a folder is given, and name each of them."""
+    if output is not None:
+        for path in write_all(output, files):
+            click.echo(f"wrote {path}")
+
+
+def status(failures: dict[tuple[str, str], str]) -> int:
+    """Say on the error stream what failed; return the exit status."""
+    for (case, label), why in failures.items():
+        click.echo(f"rps-bench: {label} failed at {case}: {why}", err=True)
+    return 1 if failures else 0
