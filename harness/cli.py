@@ -105,6 +105,33 @@ def convergence(request: Request) -> int:
 
 
 @cli.command()
+@takes_request
+def shapes(request: Request) -> int:
+    """Mode shapes, as in Figs. 4-5, beside those of --references, with the assurance matrix.
+
+    Pictures go to --output, by default the folder shapes/.
+    """
+    from harness.figures import figure_files
+    from harness.run import run
+    from harness.shapes import assurance_figure, shapes_figure
+
+    cases, shown, against = request.chosen, request.shown, request.against(STAND_IN)
+    theory, folder = request.theory(cases[0].model), request.folder or Path("shapes")
+    with progress(len(cases) * (1 + len(against))) as done:
+        study = run(cases, [theory, *against], max(shown), done)
+    files: dict[str, bytes] = {}
+    for case in cases:
+        figure = shapes_figure(study, case, [theory, *against], shown)
+        files |= figure_files(figure, f"shapes-{case.name}", forms=("png",))
+        for reference in against:
+            matrix = assurance_figure(study, case, theory, reference, shown)
+            if matrix is not None:
+                files |= figure_files(matrix, f"assurance-{case.name}-{reference.label}")
+    write(folder, files)
+    return status(study.failures)
+
+
+@cli.command()
 def models() -> None:
     """Every model: its theory, version, and whether it can run here, or why not."""
     rows: list[tuple[str, ...]] = [

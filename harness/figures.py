@@ -78,6 +78,8 @@ def picture(figure: Figure, form: str) -> bytes:
     return data.getvalue()
 
 
-def figure_files(figure: Figure, stem: str) -> dict[str, bytes]:
-    """Return `stem` with .svg and .png as files to write."""
-    return {f"{stem}.{form}": picture(figure, form) for form in ("svg", "png")}
+def figure_files(
+    figure: Figure, stem: str, forms: Sequence[str] = ("svg", "png")
+) -> dict[str, bytes]:
+    """Return `stem` in all `forms` as files to write."""
+    return {f"{stem}.{form}": picture(figure, form) for form in forms}
