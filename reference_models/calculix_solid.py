@@ -1,0 +1,132 @@
+"""`calculix-solid`: the limbs as three-dimensional elastic bodies, by CalculiX."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import InputError, number
+from analytic.errors import count as whole
+from analytic.mechanism import Mechanism
+from analytic.modes import Modes
+from analytic.pose import Pose
+from reference_models.calculix_deck import Deck, write
+from reference_models.calculix_run import MISSING, NAME, Answer, program, run, version
+from reference_models.exudyn_system import Axis
+from reference_models.protocol import Info, ModelError, UnavailableError, check_closure
+from reference_models.rod_mesh import RodMesh
+
+Array = NDArray[np.float64]
+
+THEORY = "3-D elasticity, rigid end faces"
+ORDER = 4
+ELEMENTS = ("C3D20R", "C3D20")
+GRADING = 3.0
+"""Stress at the rim of a clamped face grows as r^-0.29 (90 degree corner, Poisson's ratio 0.3), so
+that frequencies converge as h^1.4 on equal elements. Crowded as the third power, h^4 is back."""
+PRINTED = 1e-5
+"""Displacements are printed to seven digits: what is joined must agree to this, relative."""
+
+
+@dataclass(frozen=True)
+class CalculixSolid:
+    """Solid rods of 20-node hexahedra, `elements` along a limb; CalculiX's own rigid bodies.
+
+    Across a rod there are a quarter as many (rounded up) in its core's side and in the rings
+    around it: refinement is uniform for multiples of four. End faces and platform are rigid;
+    joints are equations between their reference nodes. `element` is C3D20R (reduced integration)
+    or C3D20 (full: stiffer); ccx is stopped after `time_limit` [s].
+    Raises `InputError` for fewer than two elements, or a setting that is none.
+    """
+
+    elements: int = 8
+    element: str = "C3D20R"
+    time_limit: float = 120.0
+
+    def __post_init__(self) -> None:
+        whole("elements", self.elements, at_least=2)
+        number("time_limit", self.time_limit, "a positive number of seconds", positive=True)
+        if self.element not in ELEMENTS:
+            raise InputError("element", self.element, f"one of {', '.join(ELEMENTS)}")
+
+    @classmethod
+    def info(cls) -> Info:
+        """Return what the model is; never raises."""
+        remark = (
+            "stress at the clamped rims is singular: equal elements would converge with order 1.4 "
+            "only; crowded towards rims and end faces they reach order 4 from 8 elements on"
+        )
+        try:
+            installed, missing = version(program()), ""
+        except UnavailableError:
+            installed, missing = "", MISSING
+        return Info(THEORY, "CalculiX", installed, ORDER, (8, 12), remark, missing)
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
+        """Return the `count` lowest modes at one pose.
+
+        Raises `InputError` for a pose out of reach or more modes than coordinates, and as
+        `calculix_run.run`; `ModelError` also where a joint is open.
+        """
+        if pose.shape:
+            raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+        begin = time.perf_counter()
+        deck = write(mechanism, pose, self._mesh, self.element, count)
+        residual = check_closure(NAME, largest_gap(deck, mechanism))
+        built = time.perf_counter()
+        answer = run(deck.text, self.time_limit)
+        solved = time.perf_counter()
+        check_answer(answer, deck, count)
+        return Modes(
+            frequencies=np.sqrt(answer.eigenvalues) / (2 * np.pi),
+            platform=answer.at(np.array(deck.platform)).reshape(count, 6),
+            limbs=centre_lines(answer, deck),
+            theory=THEORY,
+            model=NAME,
+            version=f"ccx {version(program())}",
+            elements=self.elements,
+            dofs=answer.equations,
+            residual=residual,
+            build_seconds=built - begin,
+            solve_seconds=solved - built,
+        )
+
+    def _mesh(self, axis: Axis) -> RodMesh:
+        across = -(-self.elements // 4)
+        return RodMesh(axis.length, axis.rod.diameter, self.elements, across, GRADING)
+
+
+def largest_gap(deck: Deck, mechanism: Mechanism) -> float:
+    """Return the largest distance between what a joint should hold together, in the deck [m].
+
+    From the nodes as written: the start of each rod's centre line from B_i, its end from the
+    platform's node at A_i, and each face's reference node from both.
+    """
+    points = deck.points()
+    gaps = []
+    for rod, base, held in zip(deck.rods, mechanism.bases, deck.held, strict=True):
+        line = np.einsum("sk,skx->sx", rod.weights, points[rod.nodes - 1])
+        anchor, tip, point = points[[rod.anchor - 1, rod.tip - 1, held - 1]]
+        gaps += [line[0] - base, anchor - base, line[-1] - point, tip - point]
+    return float(np.linalg.norm(gaps, axis=1).max())
+
+
+def centre_lines(answer: Answer, deck: Deck) -> Array:
+    """Return the displacement of the limbs' centre lines at `STATIONS`, shape (m, n, 11, 3)."""
+    lines = [np.einsum("sk,mskx->msx", rod.weights, answer.at(rod.nodes)) for rod in deck.rods]
+    return np.stack(lines, axis=1)
+
+
+def check_answer(answer: Answer, deck: Deck, count: int) -> None:
+    """Raise `ModelError` unless these are `count` modes that keep the joints closed."""
+    found = len(answer.eigenvalues)
+    if found != count:
+        raise ModelError(f"{NAME}: ccx found {found} modes, {count} were asked for")
+    if not (answer.eigenvalues > 0).all() or not (np.diff(answer.eigenvalues) >= 0).all():
+        raise ModelError(f"{NAME}: ccx found no ascending, positive eigenvalues (motion that is free?)")
+    tips = answer.at(np.array([rod.tip for rod in deck.rods]))
+    anchors = answer.at(np.array([rod.anchor for rod in deck.rods]))
+    opening = max(np.abs(tips - answer.at(deck.held)).max(), np.abs(anchors).max())
+    if not opening <= PRINTED * np.abs(answer.displacements).max():
+        raise ModelError(f"{NAME}: a mode opens a joint, by {opening:.1e} m per sqrt(kg)")
