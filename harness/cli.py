@@ -14,7 +14,14 @@ from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.files import OutputError, write_all
-from harness.options import STAND_IN, Request, available, takes_request
+from harness.options import (
+    STAND_IN,
+    CostRequest,
+    Request,
+    available,
+    takes_cost_request,
+    takes_request,
+)
 from harness.tables import Cell, Number, Table
 from harness.terminal import progress, show, status, write
 from reference_models import UnavailableError, catalogue
@@ -106,6 +113,29 @@ def convergence(request: Request) -> int:
 
 @cli.command()
 @takes_request
+def refine(request: Request) -> int:
+    """Observed order, Richardson limit and GCI of the theory and of every reference.
+
+    Without --elements each reference doubles from half its own coarser mesh, the theory from 4.
+    """
+    from harness import refinement
+
+    cases, shown, against = request.chosen, request.shown, request.against(STAND_IN)
+    theory, folder = request.theory(cases[0].model), request.folder
+    ladders = [refinement.ladder(spec, request.steps_or_none) for spec in (theory, *against)]
+    with progress(len(cases) * sum(map(len, ladders))) as done:
+        result = refinement.refine(cases, ladders, max(shown), done)
+    tables = refinement.refinement_tables(result, shown)
+    show(*tables)
+    files: dict[str, bytes] = {}
+    for steps, table in zip(ladders, tables, strict=True):
+        files |= table.files(f"refinement-{steps[0].name}")
+    write(folder, files)
+    return status(result.study.failures)
+
+
+@cli.command()
+@takes_request
 def shapes(request: Request) -> int:
     """Mode shapes, as in Figs. 4-5, beside those of --references, with the assurance matrix.
 
@@ -129,6 +159,25 @@ def shapes(request: Request) -> int:
                 files |= figure_files(matrix, f"assurance-{case.name}-{reference.label}")
     write(folder, files)
     return status(study.failures)
+
+
+@cli.command()
+@takes_cost_request
+def cost(request: CostRequest) -> int:
+    """Seconds and dofs of every model against s and batch size, beside the paper's claims.
+
+    All in one run on one BLAS thread, interleaved, as ratios to one dense eigen-solution.
+    """
+    from harness.cost import measure
+    from harness.cost_report import cost_files, cost_tables
+
+    steps, programs, poses = request.steps, request.programs, request.poses
+    rounds, folder = request.rounds, request.folder
+    with progress(1 + rounds) as done:
+        result = measure(steps, programs, poses, rounds, done)
+    show(*cost_tables(result).values())
+    write(folder, cost_files(result) if folder is not None else {})
+    return status(result.failures)
 
 
 @cli.command()

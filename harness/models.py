@@ -101,3 +101,10 @@ def parse_analytic(text: str, option: str, shear: str | float = "cowper") -> Spe
     if not spec.analytic:
         raise InputError(option, text, f"an analytic model: {', '.join(BEAMS)}")
     return spec
+
+
+def formal_order(spec: Spec) -> int:
+    """Return the order at which a model's frequencies converge in the elements."""
+    if not spec.analytic:
+        return find(spec.name).info().order
+    return 2 if spec.name == "timoshenko" else 4

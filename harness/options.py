@@ -16,6 +16,9 @@ from reference_models import UnavailableError, catalogue
 
 MOST_ELEMENTS = 512
 MOST_MODES = 100
+MOST_REPEATS = 1000
+MOST_POSES = 1_000_000
+MOST_SIZES = 32
 STAND_IN = "exudyn-beam"
 """The reference that stands for the paper's ANSYS: sheared beams between ideal joints."""
 
@@ -28,6 +31,13 @@ _HELP = {
     "model": ("NAME[@S]", f"Theory: {', '.join(BEAMS)}, with @S elements or @exact."),
     "shear": ("KAPPA", "Timoshenko's kappa: cowper (default), 0.9, 6/7 or a number."),
     "output": ("DIR", "Folder to write CSV, Markdown, LaTeX and figures to."),
+}
+_COST_HELP = {
+    "elements": ("S,S", "Elements a limb, as in 1,2,4-8; default 1,2,4,8,16,32,64."),
+    "references": ("A,B", "Simulators by name; default all that can run here."),
+    "repeats": ("N", "How often everything is timed; default 7."),
+    "batches": ("N,N", "Poses a call; default 1,10,100,1000,10000,100000."),
+    "output": _HELP["output"],
 }
 
 
@@ -65,9 +75,7 @@ class Request:
     @property
     def folder(self) -> Path | None:
         """Where to write, if anywhere."""
-        if self.output == "":
-            raise InputError("--output", "", "the name of a folder")
-        return None if self.output is None else Path(self.output)
+        return folder(self.output)
 
     def against(self, default: str) -> list[Spec]:
         """The reference models, by default those named in `default`."""
@@ -79,22 +87,101 @@ class Request:
         given = default if self.elements is None else self.elements
         return numbers("--elements", given, MOST_ELEMENTS)
 
+    @property
+    def steps_or_none(self) -> list[int] | None:
+        """The numbers of elements, or None where each model has its own."""
+        return None if self.elements is None else self.steps("")
+
     def theory(self, default: str) -> Spec:
         """The analytic model, by default `default`."""
         given = default if self.model is None else self.model
         return parse_analytic(given, "--model", self.kappa)
 
 
+@dataclass(frozen=True)
+class CostRequest:
+    """The options of `rps-bench cost` as typed; what was left out is None."""
+
+    elements: str | None
+    references: str | None
+    repeats: str | None
+    batches: str | None
+    output: str | None
+
+    @property
+    def steps(self) -> list[int]:
+        """The numbers of elements, by default 1 to 64, doubling."""
+        given = "1,2,4,8,16,32,64" if self.elements is None else self.elements
+        return _sizes("--elements", given, MOST_ELEMENTS)
+
+    @property
+    def programs(self) -> list[str]:
+        """The simulators, by default all that can run here."""
+        missing = {name: info.missing for name, info in catalogue()}
+        if self.references is None:
+            return [name for name, why in missing.items() if not why]
+        chosen = split("--references", self.references)
+        for name in chosen:
+            if name not in missing:
+                expected = f"some of {', '.join(missing)}, without @ (see --elements)"
+                raise InputError("--references", name, expected)
+            if missing[name]:
+                raise UnavailableError(f"reference model {name!r} cannot run here: {missing[name]}")
+        return chosen
+
+    @property
+    def rounds(self) -> int:
+        """How often everything is timed, by default 7 times."""
+        if self.repeats is None:
+            return 7
+        if not self.repeats.isdecimal() or not 1 <= int(self.repeats) <= MOST_REPEATS:
+            expected = f"a whole number from 1 to {MOST_REPEATS}"
+            raise InputError("--repeats", self.repeats, expected)
+        return int(self.repeats)
+
+    @property
+    def poses(self) -> list[int]:
+        """The batch sizes, by default 1 to 100,000 by tens."""
+        given = "1,10,100,1000,10000,100000" if self.batches is None else self.batches
+        return _sizes("--batches", given, MOST_POSES)
+
+    @property
+    def folder(self) -> Path | None:
+        """Where to write, if anywhere."""
+        return folder(self.output)
+
+
+def _sizes(option: str, text: str, most: int) -> list[int]:
+    found = numbers(option, text, most)
+    if len(found) > MOST_SIZES:
+        raise InputError(option, text, f"at most {MOST_SIZES} sizes, such as 1,2,4,8")
+    return found
+
+
 def takes_request(command: Callable[[Request], int]) -> Callable[..., int]:
     """Give a command all the options, handed over as one `Request`."""
+    return _taking(_HELP, lambda **given: command(Request(**given)), command)
 
-    @wraps(command)
-    def typed(**given: str | None) -> int:
-        return command(Request(**given))
 
-    for name, (metavar, text) in reversed(_HELP.items()):
+def takes_cost_request(command: Callable[[CostRequest], int]) -> Callable[..., int]:
+    """Give a command the options of `CostRequest`."""
+    return _taking(_COST_HELP, lambda **given: command(CostRequest(**given)), command)
+
+
+def _taking(
+    options: dict[str, tuple[str, str]], typed: Callable[..., int], command: Callable[..., int]
+) -> Callable[..., int]:
+    typed = wraps(command)(typed)
+    for name, (metavar, text) in reversed(options.items()):
         typed = click.option(f"--{name}", metavar=metavar, help=text)(typed)
     return typed
+
+
+def folder(text: str | None) -> Path | None:
+    """Return the folder that --output names, if any."""
+    if text == "":
+        raise InputError("--output", "", "the name of a folder")
+    return None if text is None else Path(text)
 
 
 def numbers(option: str, text: str, most: int) -> list[int]:
