@@ -136,6 +136,30 @@ def refine(request: Request) -> int:
 
 @cli.command()
 @takes_request
+def budget(request: Request) -> int:
+    """The error split into its causes: elements, rotary inertia, shear, and what remains.
+
+    Against the first of --references; the parts add up to the error.
+    """
+    from harness import budget as parts
+    from harness.figures import figure_files
+
+    cases, shown, reference = request.chosen, request.shown, request.against(STAND_IN)[0]
+    theory, steps, folder = request.theory(cases[0].model), request.steps("1-4"), request.folder
+    with progress(len(cases) * (4 + len(steps))) as done:
+        result = parts.budget(cases, theory, steps, reference, max(shown), done)
+    table = parts.budget_table(result, shown)
+    show(table)
+    files = table.files("budget")
+    if folder is not None and result.shares:
+        files |= figure_files(parts.budget_figure(result, shown), "budget")
+        files |= figure_files(parts.floor_figure(result, shown), "floor")
+    write(folder, files)
+    return status(result.study.failures)
+
+
+@cli.command()
+@takes_request
 def shapes(request: Request) -> int:
     """Mode shapes, as in Figs. 4-5, beside those of --references, with the assurance matrix.
 

@@ -49,6 +49,13 @@ def figure3() -> dict[tuple[str, int, int], float]:
 
 
 @cache
+def cost() -> dict[str, float]:
+    """Return what the paper says its model costs: quantity to seconds, or percent saved."""
+    rows = csv.DictReader(_text("cost.csv").splitlines())
+    return {row["quantity"]: float(row["value"]) for row in rows}
+
+
+@cache
 def errata() -> tuple[Erratum, ...]:
     """Return the errata list, in the order of the file."""
     return tuple(Erratum(**entry) for entry in tomllib.loads(_text("errata.toml"))["erratum"])
