@@ -8,8 +8,10 @@ from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
 from analytic.pose import Pose, position
+from analytic.regular_workspace import RegularWorkspace, regular_workspace
 from analytic.substructure import Substructure
 from analytic.theory import Theory
+from analytic.workspace import Limits, reachable
 
 __version__ = "0.1.0"
 
@@ -19,16 +21,20 @@ __all__ = [
     "InputError",
     "Limb",
     "Limbs",
+    "Limits",
     "Material",
     "Mechanism",
     "Modes",
     "Multipliers",
     "Platform",
     "Pose",
+    "RegularWorkspace",
     "Rod",
     "Substructure",
     "Theory",
     "condensed_frequencies",
     "limbs_at",
     "position",
+    "reachable",
+    "regular_workspace",
 ]

@@ -84,6 +84,26 @@ def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     x = r2 (cos theta - 1) cos(2 phi) / 2, y = r2 (1 - cos theta) sin(2 phi) / 2 about the first.
     Raises `InputError` where an A_i leaves that plane, or meets its B_i.
     """
+    o, off_plane, lengths = _closure(mechanism, pose)
+    _refuse(
+        pose,
+        off_plane > CLOSURE,
+        off_plane,
+        "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it",
+    )
+    gone = "limbs of some length, not that of A_{} of {:.1e} m"
+    _refuse(pose, lengths <= CLOSURE, lengths, gone)
+    return o
+
+
+def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
+    """Return where `position` has an answer: all joints close, shape pose.shape."""
+    _, off_plane, lengths = _closure(mechanism, pose)
+    return np.asarray(((off_plane <= CLOSURE) & (lengths > CLOSURE)).all(axis=-1))
+
+
+def _closure(mechanism: Mechanism, pose: Pose) -> tuple[NDArray[np.float64], ...]:
+    """Return o (..., 3), how far each A_i is beside its plane (..., n) and |B_i A_i| (..., n)."""
     axes, bases = mechanism.axes, mechanism.bases
     arms = np.einsum("...jk,ik->...ij", pose.rotation, mechanism.platform_points)
     height = np.asarray(pose.z)[..., None]
@@ -92,16 +112,7 @@ def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     o = np.concatenate([across, height], axis=-1)
     limbs = o[..., None, :] + arms - bases
     off_plane = np.abs(np.einsum("ij,...ij->...i", axes, limbs))
-    _refuse(
-        pose,
-        off_plane > CLOSURE,
-        off_plane,
-        "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it",
-    )
-    lengths = np.linalg.norm(limbs, axis=-1)
-    gone = "limbs of some length, not that of A_{} of {:.1e} m"
-    _refuse(pose, lengths <= CLOSURE, lengths, gone)
-    return o
+    return o, off_plane, np.linalg.norm(limbs, axis=-1)
 
 
 def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:
