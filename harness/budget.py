@@ -1,0 +1,180 @@
+"""The error, split into its causes: parts that add up to the paper's one "error (%)"."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from analytic.pairing import pair
+from analytic.theory import BEAMS
+from harness.cases import Case
+from harness.compare import case_notes, failure_notes, pairing_notes
+from harness.figures import COLOURS, MARKERS
+from harness.models import Spec
+from harness.run import Study, run
+from harness.tables import Cell, Number, Table
+
+Array = NDArray[np.float64]
+CHAIN = ("euler-bernoulli", "rayleigh", "timoshenko")
+"""Beam theories from the poorest to the richest; each adds one effect."""
+EFFECTS = {
+    ("euler-bernoulli", "rayleigh"): "rotary inertia",
+    ("rayleigh", "timoshenko"): "shear",
+}
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Error of a theory with s elements against a reference, in parts.
+
+    Attributes: `study` behind it; `theory`, whatever its elements; `reference`; `elements` s;
+    `parts`, their names in order; `shares` by case name, shape (len(elements), len(parts), count)
+    [percentage points of the reference's frequency], whose sum over the parts is the error;
+    `uncertainty` of the reference itself by case name, shape (count,) [%], NaN where not estimated.
+    """
+
+    study: Study
+    theory: Spec
+    reference: Spec
+    elements: tuple[int, ...]
+    parts: tuple[str, ...]
+    shares: dict[str, Array]
+    uncertainty: dict[str, Array]
+    notes: tuple[str, ...]
+
+
+def exact_chain(theory: Spec) -> list[Spec]:
+    """Return the exact models from the theory's own to Timoshenko's."""
+    return [replace(theory, name=n, elements=None) for n in CHAIN[CHAIN.index(theory.name) :]]
+
+
+def budget(
+    cases: Sequence[Case],
+    theory: Spec,
+    elements: Sequence[int],
+    reference: Spec,
+    count: int,
+    done: Callable[[str], None] = lambda _: None,
+) -> Budget:
+    """Return the budget of `theory` with each of `elements` against `reference`.
+
+    A part is 100 (f_a - f_b) / f_reference between neighbours of the chain: theory with s elements,
+    theory without, each richer beam theory without, reference. Every mode is followed by its shape.
+    """
+    chain = exact_chain(theory)
+    meshes = [replace(theory, elements=s) for s in elements]
+    study = run(cases, [reference, *chain, *meshes], count, done)
+    effects = [EFFECTS[a.name, b.name] for a, b in pairwise(chain)]
+    parts = ("number of elements", *effects, f"{BEAMS[chain[-1].name]} to reference")
+    shares, uncertainty, notes = {}, {}, []
+    for case in cases:
+        against = study.get(case, reference)
+        if against is None:
+            continue
+        table = np.empty((len(meshes), len(parts), count))
+        for k, mesh in enumerate(meshes):
+            start = study.modes[case.name, mesh.label].first(count)
+            values = [start.frequencies]
+            for spec in (*chain, reference):
+                modes = study.modes[case.name, spec.label]
+                partner = pair(start, modes, case.mechanism, case.pose).partner
+                values.append(modes.frequencies[partner])
+            table[k] = -100 * np.diff(np.array(values), axis=0) / values[-1]
+            pairing = study.pairing(case, mesh, reference)
+            assert pairing is not None, "both have an answer"
+            notes += pairing_notes(case, mesh, reference, pairing, range(count))
+        shares[case.name] = table
+        own = against.uncertainty
+        uncertainty[case.name] = (
+            np.full(count, np.nan)
+            if own is None
+            else 100 * own[partner] / against.frequencies[partner]
+        )
+    notes += failure_notes(study)
+    return Budget(
+        study, theory, reference, tuple(elements), parts, shares, uncertainty, tuple(notes)
+    )
+
+
+def budget_table(result: Budget, shown: Sequence[int]) -> Table:
+    """Return the parts, their sum and the reference's own uncertainty, in percentage points."""
+    rows: list[tuple[Cell, ...]] = []
+    for case in result.study.cases:
+        if case.name not in result.shares:
+            continue
+        for s, table in zip(result.elements, result.shares[case.name], strict=True):
+            for part, share in zip(result.parts, table, strict=True):
+                rows.append((case.name, s, part, *(Number(share[i - 1], 3, True) for i in shown)))
+            total = table.sum(axis=0)
+            rows.append(
+                (case.name, s, "total error", *(Number(total[i - 1], 3, True) for i in shown))
+            )
+        own = result.uncertainty[case.name]
+        cells = ["not known" if np.isnan(own[i - 1]) else Number(own[i - 1], 3) for i in shown]
+        rows.append((case.name, "", "reference's own, +-", *cells))
+    title = f"Error of {result.theory.name}@s against {result.reference.label}, by cause [points]"
+    notes = (*result.notes, *case_notes(result.study.cases))
+    return Table(title, ("Case", "s", "Part", *(f"f{i}" for i in shown)), tuple(rows), notes)
+
+
+def budget_figure(result: Budget, shown: Sequence[int]) -> Figure:
+    """Return stacked bars, one a mode and s; a panel a case. The line is the reference's own."""
+    cases = [case for case in result.study.cases if case.name in result.shares]
+    figure = Figure(figsize=(6.4 * len(cases), 4.2), layout="constrained")
+    panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
+    width = 0.8 / len(result.elements)
+    for letter, (axes, case) in enumerate(zip(panels, cases, strict=True)):
+        for k, table in enumerate(result.shares[case.name]):
+            where = np.arange(len(shown)) + (k - (len(result.elements) - 1) / 2) * width
+            up, down = np.zeros(len(shown)), np.zeros(len(shown))
+            for p, part in enumerate(result.parts):
+                share = table[p, [i - 1 for i in shown]]
+                bottom = np.where(share >= 0, up, down)
+                axes.bar(where, share, 0.9 * width, bottom=bottom, color=COLOURS[p],
+                         label=part if k == 0 else None)  # fmt: skip
+                up, down = up + np.maximum(share, 0), down + np.minimum(share, 0)
+            for x, top in zip(where, up, strict=True):
+                axes.annotate(f"{result.elements[k]}", (x, top), xytext=(0, 2), ha="center",
+                              textcoords="offset points", fontsize=7)  # fmt: skip
+        own = result.uncertainty[case.name][[i - 1 for i in shown]]
+        total = result.shares[case.name][-1].sum(axis=0)[[i - 1 for i in shown]]
+        axes.errorbar(where + 0.75 * width, total, own, fmt="none", ecolor="0.3", capsize=2)
+        axes.set_xticks(range(len(shown)), [f"$f_{{{i}}}$" for i in shown])
+        axes.set_title(f"({chr(97 + letter)}) {case.name}", fontsize=11)
+        axes.axhline(0, color="0.4", lw=0.8)
+    panels[0].set_ylabel("share of the error [percentage points]")
+    panels[0].legend(fontsize=8, loc="upper left")
+    figure.suptitle(
+        f"{result.theory.name}@s against {result.reference.label}; on each bar: s; "
+        "beside it: the reference's own uncertainty", fontsize=10,
+    )  # fmt: skip
+    return figure
+
+
+def floor_figure(result: Budget, shown: Sequence[int]) -> Figure:
+    """Return Fig. 3 again, with the floor of each mode that no number of elements can cross."""
+    cases = [case for case in result.study.cases if case.name in result.shares]
+    figure = Figure(figsize=(5.2 * len(cases), 4.2), layout="constrained")
+    panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
+    for letter, (axes, case) in enumerate(zip(panels, cases, strict=True)):
+        table = result.shares[case.name]
+        for i in shown:
+            style = {"color": COLOURS[(i - 1) % 6], "lw": 1.2}
+            size = 9 - 4 * ((i - 1) % 2)
+            axes.plot(result.elements, table.sum(axis=1)[:, i - 1], marker=MARKERS[(i - 1) % 6],
+                      markersize=size, label=f"$e_{i}$", **style)  # fmt: skip
+            axes.axhline(table[-1, 1:, i - 1].sum(), ls="--", alpha=0.6, **style)
+        axes.set_xlabel("number of elements $s$")
+        axes.set_xticks(result.elements)
+        axes.set_title(f"({chr(97 + letter)}) {case.name}", fontsize=11)
+        axes.grid(alpha=0.25)
+    panels[0].set_ylabel("relative error [%]")
+    panels[-1].legend(fontsize=9)
+    figure.suptitle(
+        f"{result.theory.name}@s against {result.reference.label}; dashed: the floor, without "
+        "elements", fontsize=10,
+    )  # fmt: skip
+    return figure
