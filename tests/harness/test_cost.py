@@ -2,6 +2,7 @@
 
 import csv
 import io
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -153,6 +154,19 @@ def test_long_runs_end_a_series(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = [t.size for t in cost.elements if t.model == "substructure, dense"]
     assert sizes == [1] and "not beyond s=1" in cost.left_out["substructure, dense"]
     assert all(len(t.seconds) == study.FEW for t in cost.elements)
+
+
+def test_what_is_loaded_once_ends_no_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A compiler that only the second size needs is not that size's cost."""
+    monkeypatch.setattr(study, "LONG", 0.05)
+    naps = {4: [0.0, 0.0], 8: [0.1, 0.0], 16: [0.1, 0.1], 32: [0.0, 0.0]}
+    jobs = [
+        study.Job("compiled", s, lambda s=s: time.sleep(naps[s].pop(0)), growing=True) for s in naps
+    ]
+    left_out: dict[str, str] = {}
+    warm = study._warm(jobs, left_out, {})
+    assert [w.job.size for w in warm] == [4, 8, 16]
+    assert "not beyond s=16" in left_out["compiled"]
 
 
 def test_a_failing_simulator_costs_only_itself(
