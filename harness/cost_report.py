@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, ScalarFormatter
 
 from analytic import Substructure
+from analytic.kernel import compiled
 from harness import published
 from harness.cases import PRESETS
 from harness.cost import FLOOR, YARDSTICK, Cost, Timing, growth
@@ -161,7 +162,9 @@ def _ends(sizes: Sequence[int | None]) -> tuple[int, int]:
 
 
 def _circumstances(cost: Cost) -> tuple[str, ...]:
+    kernel = "compiled (numba)" if compiled() else "plain numpy"
     return (
+        f"condensed: {kernel}",
         f"{PRESETS['case2'].name}, {cost.repeats} rounds of everything (3 of what takes over a "
         f"second), one BLAS thread, numpy {np.__version__}, scipy {scipy.__version__}",
     )

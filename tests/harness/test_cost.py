@@ -131,6 +131,7 @@ def test_tables_have_every_form_and_say_the_circumstances(cost: Cost) -> None:
     for table in tables.values():
         assert table.rows and table.latex().count("\\\\") == len(table.rows) + 1
     notes = " ".join(tables["cost-elements"].notes)
+    assert "condensed: compiled (numba)" in notes or "condensed: plain numpy" in notes
     assert "one BLAS thread" in notes and "2 rounds" in notes and "not below s=3" in notes
     exponents = [row[2].value for row in tables["cost-growth"].rows]  # type: ignore[union-attr]
     assert np.isfinite(exponents).all() and len(exponents) == 6
