@@ -103,7 +103,7 @@ def parse_analytic(text: str, option: str, shear: str | float = "cowper") -> Spe
     return spec
 
 
-def formal_order(spec: Spec) -> int:
+def formal_order(spec: Spec) -> float:
     """Return the order at which a model's frequencies converge in the elements."""
     if not spec.analytic:
         return find(spec.name).info().order

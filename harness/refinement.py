@@ -53,7 +53,7 @@ class Verification:
         return "" if self.asymptotic else "not in the asymptotic range"
 
 
-def verify(elements: Sequence[int], frequencies: Sequence[float], formal: int) -> Verification:
+def verify(elements: Sequence[int], frequencies: Sequence[float], formal: float) -> Verification:
     """Return order, limit and GCI from the last three of ascending `elements`.
 
     p solves (f_1 - f_2) / (f_2 - f_3) = r_21^p (r_32^p - 1) / (r_21^p - 1), with f_3 the finest;

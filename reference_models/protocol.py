@@ -31,7 +31,7 @@ class Info:
     theory: str
     program: str
     version: str
-    order: int
+    order: float
     refinements: tuple[int, int] = (8, 16)
     remark: str = ""
     missing: str = ""

@@ -28,7 +28,7 @@ class Richardson:
 
     coarse: "ReferenceModel"
     fine: "ReferenceModel"
-    order: int
+    order: float
 
     def __post_init__(self) -> None:
         if not self.coarse.elements < self.fine.elements:
