@@ -17,14 +17,14 @@ REFERENCE = Spec("exudyn-beam", (12, 24))
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "rayleigh", "timoshenko"])
 def test_parts_add_up_to_the_error(theory: str) -> None:
-    case = PRESETS["case2"]
+    case = PRESETS["case2"]  # eigen-solutions round to 1e-10: 1e-8 points
     result = budget([case], Spec(theory, 3), [1, 3], REFERENCE, 6)
     fea = REFERENCE.build().modes(case.mechanism, case.pose).frequencies
     for s, table in zip((1, 3), result.shares["case2"], strict=True):
         ours = Substructure(s, theory).modes(case.mechanism, case.pose).frequencies
-        np.testing.assert_allclose(table.sum(axis=0), 100 * (ours / fea - 1), atol=1e-9)
+        np.testing.assert_allclose(table.sum(axis=0), 100 * (ours / fea - 1), atol=1e-7)
         exact = Continuum(theory).modes(case.mechanism, case.pose).frequencies
-        np.testing.assert_allclose(table[0], 100 * (ours - exact) / fea, atol=1e-9)
+        np.testing.assert_allclose(table[0], 100 * (ours - exact) / fea, atol=1e-7)
     beams = {"euler-bernoulli": 2, "rayleigh": 1, "timoshenko": 0}
     assert len(result.parts) == 2 + beams[theory]
 
@@ -46,5 +46,6 @@ def test_command(rps_bench: Callable[..., Any], tmp_path: Path) -> None:
     assert answer.status == 0
     assert "not known" in answer.out  # one mesh gives no uncertainty
     assert {path.name for path in tmp_path.iterdir()} == {
-        *(f"budget.{form}" for form in ("csv", "md", "tex", "svg", "png")), "floor.svg", "floor.png",
+        *(f"budget.{form}" for form in ("csv", "md", "tex", "svg", "png")),
+        "floor.svg", "floor.png",
     }  # fmt: skip
