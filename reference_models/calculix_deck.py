@@ -42,13 +42,15 @@ class Deck:
     """An input deck, and which of its nodes answer.
 
     Attributes: `text` of the deck; `platform`: the nodes that carry the platform's displacement at
-    o and its rotation; `held`: its nodes at the A_i (n,); `rods`, one a limb.
+    o and its rotation; `held`: its nodes at the A_i (n,); `rods`, one a limb; `shown`: all nodes
+    whose displacement is asked for, ascending.
     """
 
     text: str
     platform: tuple[int, int]
     held: Indices
     rods: list[Line]
+    shown: Indices
 
     def points(self) -> Array:
         """Return the nodes as written, read back from the text: (N, 3) [m], node n at n - 1."""
@@ -131,9 +133,10 @@ def write(
             deck.add_equation((rod.tip, freedom, 1.0), (point, freedom, -1.0))
     ends = [node for rod in rods for node in (rod.anchor, rod.tip)]
     lines = [node for rod in rods for node in rod.nodes.ravel().tolist()]
-    deck.add_set("SHOWN", sorted({*lines, *ends, *platform, *held.tolist()}))
+    shown = sorted({*lines, *ends, *platform, *held.tolist()})
+    deck.add_set("SHOWN", shown)
     deck.lines += ["*STEP", "*FREQUENCY", str(count), "*NODE PRINT,NSET=SHOWN", "U", "*END STEP"]
-    return Deck("\n".join([*deck.lines, ""]), platform, held, rods)
+    return Deck("\n".join([*deck.lines, ""]), platform, held, rods, np.array(shown))
 
 
 def _add_rod(deck: Writer, name: str, axis: Axis, mesh: RodMesh, kind: str) -> Line:

@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -25,6 +24,8 @@ MISSING = (
 THREADS = ("OMP_NUM_THREADS", "NUMBER_OF_CPUS", "CCX_NPROC_STIFFNESS", "CCX_NPROC_RESULTS",
            "CCX_NPROC_EQUATION_SOLVER")  # fmt: skip
 JOB = "job"
+_EXPONENT = re.compile(r"(\d)([-+]\d{3})$")  # Fortran leaves the E out for lack of room
+CUT_OFF = "results of ccx are missing, cut off or not finite (is the disk full?)"
 TAIL = 3
 """Lines of CalculiX's own message that are passed on."""
 
@@ -84,9 +85,8 @@ def run(deck: str, time_limit: float) -> Answer:
             results = directory / f"{JOB}.dat"
             text = results.read_text(errors="replace") if results.exists() else ""
     except OSError as error:
-        raise ModelError(
-            f"{NAME}: cannot work in a temporary directory: {error.strerror}"
-        ) from None
+        reason = error.strerror or error
+        raise ModelError(f"{NAME}: cannot set up a run of ccx: {reason}") from None
     return parse(text, said)
 
 
@@ -110,10 +110,10 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
                 f"{NAME}: ccx was stopped after {time_limit:g} s, its time limit"
             ) from None
         finally:
-            # Its children too, and also where this program is interrupted.
-            with suppress(ProcessLookupError):
+            # With its children, and also where this program is interrupted.
+            if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+                process.wait()
     said = log.read_text(errors="replace")
     if status < 0:
         raise ModelError(f"{NAME}: ccx was killed by signal {-status}{_tail(said)}")
@@ -149,11 +149,11 @@ def parse(text: str, said: str) -> Answer:
             displacements=blocks[:, :, 1:],
             equations=int(found[1]) if found else 0,
         )
-    except (ValueError, IndexError) as error:
-        raise ModelError(f"{NAME}: cannot read the results of ccx ({error}){_tail(said)}") from None
+    except (ValueError, IndexError):
+        raise ModelError(f"{NAME}: {CUT_OFF}{_tail(said)}") from None
     finite = np.isfinite(answer.eigenvalues).all() and np.isfinite(answer.displacements).all()
-    if not finite or not (np.diff(answer.nodes) > 0).all() or not answer.equations:
-        raise ModelError(f"{NAME}: the results of ccx are incomplete or not finite{_tail(said)}")
+    if not finite or not answer.equations or not text.endswith("\n"):
+        raise ModelError(f"{NAME}: {CUT_OFF}{_tail(said)}")
     return answer
 
 
@@ -164,7 +164,7 @@ def _rows(lines: list[str]) -> list[list[float]]:
         if line.strip():
             if not re.match(r"\s+\d+\s", line):
                 break
-            rows.append([float(word) for word in line.split()])
+            rows.append([float(_EXPONENT.sub(r"\1E\2", word)) for word in line.split()])
         elif rows:
             break
     return rows
