@@ -22,6 +22,7 @@ from harness.options import (
     takes_cost_request,
     takes_request,
 )
+from harness.sweep_command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import progress, show, status, write
 from reference_models import UnavailableError, catalogue
@@ -256,3 +257,6 @@ def run_reproduce(request: Request) -> int:
             click.echo(f"  - not run: {name}: {info.missing}")
     click.echo(f"{len(written)} files in {folder}/; start with {folder / 'summary.md'}")
     return status(result.failures)
+
+
+cli.add_command(sweep)

@@ -1,0 +1,200 @@
+"""One model against another at every pose of a sweep, and where they differ most."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from analytic import Mechanism, Pose
+from analytic.pairing import pair
+from harness.engine import Engine, run
+from harness.frames import write_frames
+from harness.jobs import Failure, built
+from harness.journal import Journal
+from harness.models import Spec
+from harness.pose_sets import written
+from harness.sweep import Sweep, answers
+from harness.tables import Cell, Number, Table
+
+WORST = 3
+"""Poses named for each mode."""
+
+Floats = NDArray[np.float64]
+
+ERRORS = {
+    "pose": pl.Int64,
+    "z_m": pl.Float64,
+    "azimuth_rad": pl.Float64,
+    "tilt_rad": pl.Float64,
+    "model": pl.String,
+    "against": pl.String,
+    "mode": pl.Int64,
+    "error_percent": pl.Float64,
+}
+
+
+@dataclass
+class Errors:
+    """Errors of `spec` against another [%], a column a mode, gathered block by block.
+
+    Modes are paired by order: a sweep keeps no shapes. Sorted lists differ least when paired by
+    order, so where modes cross between the models an error here may be too small, by no more than
+    the gap of the modes that cross; `ShapeCheck` tells where that matters.
+    """
+
+    spec: Spec
+    modes: NDArray[np.int64]
+    poses: int = 0
+    total: Floats = field(init=False)
+    squares: Floats = field(init=False)
+    worst: Floats = field(init=False)
+    where: NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        m = len(self.modes)
+        self.total, self.squares = np.zeros(m), np.zeros(m)
+        self.worst, self.where = np.zeros((0, m)), np.zeros((0, m), dtype=np.int64)
+
+    def add(self, numbers: NDArray[np.int64], error: Floats) -> None:
+        """Take in the errors (n, m) at poses of these `numbers` (n,)."""
+        self.poses += len(numbers)
+        self.total += error.sum(axis=0)
+        self.squares += (error**2).sum(axis=0)
+        worst = np.concatenate([self.worst, error])
+        where = np.concatenate([self.where, np.repeat(numbers[:, None], error.shape[1], axis=1)])
+        first = np.argsort(-np.abs(worst), axis=0, kind="stable")[:WORST]
+        self.worst = np.take_along_axis(worst, first, axis=0)
+        self.where = np.take_along_axis(where, first, axis=0)
+
+
+@dataclass(frozen=True)
+class ShapeCheck:
+    """Two models at one pose again, shapes and all, to pair their modes by shape."""
+
+    mechanism: Mechanism
+    pose: Pose
+    spec: Spec
+    against: Spec
+    count: int
+    safe = False
+
+    def solve(self) -> tuple[Floats, Floats]:
+        """Return errors [%] by shape and the pairs' assurance, each (count,)."""
+        first = built(self.spec).modes(self.mechanism, self.pose, self.count)
+        second = built(self.against).modes(self.mechanism, self.pose, self.count + 2)
+        pairs = pair(first, second, self.mechanism, self.pose)
+        reference = second.frequencies[pairs.partner]
+        return 100 * (first.frequencies / reference - 1), pairs.assurance
+
+
+def compare(
+    sweep: Sweep, journal: Journal, against: Spec, modes: list[int], folder: Path, suffix: str
+) -> list[Errors]:
+    """Write the error of every other model at every pose; return what was gathered of them."""
+    gathered = [Errors(spec, np.array(modes)) for spec in sweep.specs if spec != against]
+
+    def frames() -> Iterator[pl.DataFrame]:
+        for errors in gathered:
+            for start, stop in sweep.blocks():
+                both = [_block(sweep, journal, s, start, stop) for s in (errors.spec, against)]
+                here = np.flatnonzero(~np.isnan(both[0][:, 0] + both[1][:, 0]))
+                ours, theirs = (values[np.ix_(here, errors.modes - 1)] for values in both)
+                error = 100 * (ours / theirs - 1)
+                errors.add(start + here + 1, error)
+                if len(here):
+                    yield _frame(errors, against, start + here, sweep.poses, error)
+
+    write_frames(folder, f"errors.{suffix}", frames(), ERRORS)
+    return gathered
+
+
+def _block(sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int) -> Floats:
+    """Return frequencies (stop - start, count); NaN where a job is not finished."""
+    values = np.full((stop - start, sweep.count), np.nan)
+    for job, answer in answers(sweep, journal, spec, start, stop):
+        values[job.start - start :][: len(job.poses)] = answer.frequencies
+    return values
+
+
+def _frame(
+    errors: Errors, against: Spec, index: NDArray[np.int64], poses: Pose, error: Floats
+) -> pl.DataFrame:
+    m = len(errors.modes)
+    return (
+        pl.DataFrame(
+            {
+                "pose": np.repeat(index + 1, m),
+                "z_m": np.repeat(poses.z[index], m),
+                "azimuth_rad": np.repeat(poses.azimuth[index], m),
+                "tilt_rad": np.repeat(poses.tilt[index], m),
+                "mode": np.tile(errors.modes, len(index)),
+                "error_percent": error.ravel(),
+            }
+        )
+        .with_columns(model=pl.lit(errors.spec.label), against=pl.lit(against.label))
+        .select(list(ERRORS))
+    )
+
+
+def error_table(gathered: list[Errors], against: Spec) -> Table:
+    """Largest, rms and mean error of each model and mode over all poses."""
+    rows: list[tuple[Cell, ...]] = []
+    for errors in gathered:
+        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
+            values = (
+                abs(errors.worst[0, k]),
+                np.sqrt(errors.squares[k] / errors.poses),
+                errors.total[k] / errors.poses,
+            )
+            numbers = (Number(float(v), 6, signed=i == 2) for i, v in enumerate(values))
+            rows.append((errors.spec.label, f"f{mode}", errors.poses, *numbers))
+    columns = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)")
+    notes = ("modes paired by order; shapes are looked at for the worst poses",)
+    return Table(f"Error against {against.label}", columns, tuple(rows), notes)
+
+
+def worst_table(
+    sweep: Sweep, gathered: list[Errors], against: Spec, engine: Engine, command: str
+) -> Table:
+    """The worst poses of each mode, their errors with modes paired by shape, how to see them."""
+    found = sorted({(e.spec, int(n)) for e in gathered for n in e.where.ravel()}, key=str)
+    checks = {
+        (spec, n): ShapeCheck(sweep.mechanism, sweep.poses[n - 1], spec, against, sweep.count)
+        for spec, n in found
+    }
+    by_shape = {(task.spec, task.pose): result for task, result in run(engine, checks.values())}
+    rows: list[tuple[Cell, ...]] = []
+    notes = []
+    for errors in gathered:
+        for k, mode in enumerate(errors.modes.tolist()):
+            for error, n in zip(errors.worst[:, k], errors.where[:, k].tolist(), strict=True):
+                pose = sweep.poses[n - 1]
+                result = by_shape[errors.spec, pose]
+                pairs: tuple[Cell, ...] = ("-", "-")
+                if not isinstance(result, Failure):
+                    shaped, assurance = result
+                    pairs = (Number(shaped[mode - 1], 6, True), Number(assurance[mode - 1]))
+                at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
+                where = (Number(float(value)) for value in at)
+                rows.append(
+                    (
+                        errors.spec.label,
+                        f"f{mode}",
+                        Number(float(error), 6, True),
+                        *pairs,
+                        n,
+                        *where,
+                    )
+                )
+            if len(errors.where):
+                worst = sweep.poses[int(errors.where[0, k]) - 1]
+                notes.append(
+                    f"f{mode} of {errors.spec.label}: rps-bench sweep --poses {written(worst)} "
+                    f"--models {errors.spec.label} --against {against.label}{command}"
+                )
+    columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
+               "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
+    return Table(f"Worst poses against {against.label}", columns, tuple(rows), tuple(notes))

@@ -1,0 +1,59 @@
+"""Long tables on disk: written frame by frame, there whole or not at all."""
+
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import polars as pl
+from polars.datatypes import DataTypeClass
+from polars.io.plugins import register_io_source
+
+from harness.files import OutputError
+
+ROW_GROUP = 100_000
+
+
+def write_frames(
+    folder: Path, name: str, frames: Iterator[pl.DataFrame], schema: Mapping[str, DataTypeClass]
+) -> Path:
+    """Write `frames` as NAME.parquet or NAME.csv, by the suffix of `name`; the same bytes for the
+    same rows, in memory for one frame after the other.
+
+    Raises `OutputError` with the reason, leaving what was there before.
+    """
+    target = folder / name
+    broken: list[OutputError] = []
+
+    def source(
+        columns: list[str] | None, where: pl.Expr | None, most: int | None, size: int | None
+    ) -> Iterator[pl.DataFrame]:
+        try:
+            yield from frames
+        except OutputError as error:  # polars would wrap it
+            broken.append(error)
+            raise
+
+    temporary = None
+    try:
+        handle, made = tempfile.mkstemp(dir=folder, prefix=f".{name}.", suffix=target.suffix)
+        os.close(handle)
+        temporary = Path(made)
+        table = register_io_source(source, schema=dict(schema))
+        if target.suffix == ".parquet":
+            table.sink_parquet(temporary, row_group_size=ROW_GROUP, maintain_order=True)
+        else:
+            table.sink_csv(temporary, maintain_order=True)
+        with temporary.open("rb") as file:
+            os.fsync(file.fileno())
+        temporary.chmod(0o644)
+        temporary.replace(target)
+    except (OSError, pl.exceptions.PolarsError) as error:
+        if broken:
+            raise broken[0] from None
+        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        raise OutputError(f"--output = {str(folder)!r}: cannot write there ({reason})") from None
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+    return target

@@ -1,0 +1,153 @@
+"""A job: one model at one block of poses; its content hash, and the work itself."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import Mechanism, Pose, __version__, condensed_frequencies
+from analytic.condensed import CHUNK
+from analytic.theory import Theory
+from harness.models import Model, Spec
+from reference_models import ModelError
+from reference_models.protocol import find
+
+BATCH = 10 * CHUNK
+"""Poses a job of an analytic model: a fraction of a second's work. A simulator's job is one."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a job found at its n poses.
+
+    Attributes: `frequencies` (n, count) [Hz]; `uncertainty` of the same shape [Hz], or None;
+    `closure`: the largest gap of a joint [m], or None where none can open; `theory` in words;
+    `dofs` solved for, 0 without elements; `seconds` the model itself took.
+    """
+
+    frequencies: NDArray[np.float64]
+    uncertainty: NDArray[np.float64] | None
+    closure: float | None
+    theory: str
+    dofs: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a job has no answer."""
+
+    reason: str
+
+
+class Task(Protocol):
+    """What an engine runs: a job, or anything else that knows how to solve itself."""
+
+    @property
+    def safe(self) -> bool:
+        """Whether it can neither crash nor hang."""
+        ...
+
+    def solve(self) -> object:
+        """Return the answer, or raise what the model raises."""
+        ...
+
+
+@dataclass(frozen=True)
+class Job:
+    """The `count` lowest modes of one model at the `poses` (arrays) from number `start` on."""
+
+    spec: Spec
+    version: str
+    mechanism: Mechanism
+    count: int
+    start: int
+    poses: Pose
+
+    @cached_property
+    def key(self) -> bytes:
+        """A hash of all that the answer depends on: model, version, mechanism, poses, modes."""
+        values = np.stack([self.poses.z, self.poses.azimuth, self.poses.tilt])
+        return sha256(_settings(self.spec, self.version, self.mechanism, self.count)
+                      + values.astype("<f8").tobytes()).digest()[:16]  # fmt: skip
+
+    @property
+    def safe(self) -> bool:
+        """Whether it can neither crash nor hang."""
+        return self.spec.analytic
+
+    def solve(self) -> Answer:
+        """Return the answer, or raise what the model raises.
+
+        Raises `ModelError` also where the program here is not of the version that was planned.
+        """
+        here = version_of(self.spec)
+        if here != self.version:
+            raise ModelError(f"{here} runs here, not {self.version} as planned")
+        if self.spec.analytic:
+            return _batch(self)
+        modes = built(self.spec).modes(self.mechanism, self.poses[0], self.count)
+        uncertainty = None if modes.uncertainty is None else modes.uncertainty[None]
+        return Answer(
+            modes.frequencies[None],
+            uncertainty,
+            modes.residual,
+            modes.theory,
+            modes.dofs,
+            modes.seconds,
+        )
+
+
+@lru_cache(maxsize=64)
+def _settings(spec: Spec, version: str, mechanism: Mechanism, count: int) -> bytes:
+    return repr((spec, version, mechanism, count)).encode()
+
+
+def jobs(spec: Spec, mechanism: Mechanism, poses: Pose, count: int) -> Iterator[Job]:
+    """Yield the jobs that cover all `poses`, split at fixed numbers, in order."""
+    size = BATCH if spec.analytic else 1
+    program = version_of(spec)
+    for start in range(0, len(poses), size):
+        yield Job(spec, program, mechanism, count, start, poses[start : start + size])
+
+
+@lru_cache(maxsize=64)
+def version_of(spec: Spec) -> str:
+    """Return the versions of what computes `spec` here."""
+    if not spec.analytic:
+        info = find(spec.name).info()
+        return f"{info.program} {info.version}"
+    programs = [f"rps-bench {__version__}", f"numpy {np.__version__}"]
+    with suppress(PackageNotFoundError):  # where it is missing the last bits differ
+        programs.append(f"numba {version('numba')}")
+    return ", ".join(programs)
+
+
+@lru_cache(maxsize=64)
+def built(spec: Spec) -> Model:
+    """Return the model, made once a process."""
+    return spec.build()
+
+
+def _batch(job: Job) -> Answer:
+    spec, poses, n = job.spec, job.poses, len(job.poses)
+    assert not isinstance(spec.elements, tuple), "only simulators are extrapolated"
+    # Whole chunks only: the last bits of a pose then do not depend on how many come with it.
+    padded = poses[np.minimum(np.arange(-(-n // CHUNK) * CHUNK), n - 1)]
+    began = perf_counter()
+    found = condensed_frequencies(
+        job.mechanism, padded, spec.elements, beam=spec.name, shear=spec.shear, count=job.count
+    )
+    seconds = perf_counter() - began
+    theory = Theory(spec.name, spec.shear)
+    names = sorted({theory.label(limb.rod.material) for limb in job.mechanism.limbs})
+    limbs = len(job.mechanism.limbs)
+    dofs = 0 if spec.elements is None else 6 + limbs * (6 * spec.elements - 2)
+    return Answer(found[:n], None, None, "; ".join(names), dofs, seconds)
