@@ -9,6 +9,7 @@ from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
 from analytic.pose import Pose, position
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
+from analytic.sensitivity import frequency_sensitivities
 from analytic.substructure import Substructure
 from analytic.theory import Theory
 from analytic.workspace import Limits, reachable
@@ -33,6 +34,7 @@ __all__ = [
     "Substructure",
     "Theory",
     "condensed_frequencies",
+    "frequency_sensitivities",
     "limbs_at",
     "position",
     "reachable",

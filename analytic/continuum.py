@@ -78,7 +78,7 @@ class Continuum:
         for group in np.split(others, np.flatnonzero(near) + 1):
             if group.size:
                 free = eigenvalues[group[0]] == 0
-                U, w, F = _eigenspace(problem, bounds[group].mean(), len(group), free)
+                U, w, F = eigenspace(problem, bounds[group].mean(), len(group), free)
                 platform[group] = np.linalg.solve(root.T, U.T).T
                 motion[group] = _centre_lines(problem, limbs, bounds[group].mean(), w, F)
         materials = {limb.rod.material for limb in mechanism.limbs}
@@ -102,7 +102,7 @@ class Continuum:
         return characteristic(mechanism, pose, self.theory)
 
 
-def _eigenspace(
+def eigenspace(
     problem: Characteristic, eigenvalue: float, size: int, free: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return platform (size, 6), tip motion and tip forces (size, n, 3) of unit modal mass.

@@ -24,26 +24,28 @@ def compiled() -> Callable[..., Any] | None:
         numba = importlib.import_module("numba")
     except ImportError:
         return None
-    result: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(solve_poses)
+    result: Callable[..., Any] = numba.njit(
+        cache=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}
+    )(solve_poses)
     return result
 
 
 def solve_poses(
     a: Floats,
-    P: Floats,
-    slope: Floats,
     poles: Floats,
     residues: Floats,
     owner: NDArray[np.intp],
     powers: Floats,
     caps: Floats,
     tolerance: float,
+    beside: float,
     start: Floats,
     found: Floats,
     settled: NDArray[np.bool_],
+    below: NDArray[np.int64],
 ) -> None:
-    """Fill `start` (N, m), `found` (N, count) and `settled` (N,); see `Reduced` for the rest."""
-    N, K = P.shape
+    """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`."""
+    N, K, terms = powers.shape
     m = start.shape[1]
     p = m - 6
     count = found.shape[1]
@@ -54,16 +56,36 @@ def solve_poses(
     Z = np.empty((m, 6))
     d, e, v, w = np.empty(m), np.empty(m), np.empty(m), np.empty(m)
     beta = np.empty(m)
-    V = np.empty((m, K))
-    x, rho, y = np.empty(K), np.empty(K), np.empty(m)
+    V = np.empty((K, m))
+    x, rho, t, y = np.empty(K), np.empty(K), np.empty(K), np.empty(m)
     order = np.empty(m, dtype=np.int64)
+    P, slope, scale = np.empty(K), np.empty(K), np.empty(K)
+    power = np.empty((terms, K))
     for n in range(N):
+        # The chord of P, with the powers turned so that a step of Horner's is one run of memory.
+        limit, end = np.inf, np.inf
+        for k in range(K):
+            limit = min(limit, caps[n, k])
+            scale[k] = 2.0 / caps[n, k]
+            for j in range(terms):
+                power[j, k] = powers[n, k, j]
+        for q in range(p):
+            end = min(end, poles[n, q])
+        end = min(end, limit)
+        for k in range(K):
+            P[k], slope[k] = power[terms - 1, k], power[terms - 1, k]
+        for j in range(terms - 2, -1, -1):
+            for k in range(K):
+                P[k] = power[j, k] - P[k]
+                slope[k] = slope[k] * (end * scale[k] - 1.0) + power[j, k]
+        for k in range(K):
+            slope[k] = (slope[k] - P[k]) / end
         # C C^T = I - sum slope_k a_k a_k^T, and the directions in those coordinates.
         for i in range(6):
             for j in range(i + 1):
                 total = 1.0 if i == j else 0.0
                 for k in range(K):
-                    total -= slope[n, k] * a[n, k, i] * a[n, k, j]
+                    total -= slope[k] * a[n, k, i] * a[n, k, j]
                 for k in range(j):
                     total -= C[i, k] * C[j, k]
                 C[i, j] = math.sqrt(total) if i == j else total / C[j, j]
@@ -79,7 +101,7 @@ def solve_poses(
             for j in range(i + 1):
                 total = 0.0
                 for k in range(K):
-                    total += P[n, k] * at[k, i] * at[k, j]
+                    total += P[k] * at[k, i] * at[k, j]
                 A[p + i, p + j] = total
                 A[p + j, p + i] = total
         for q in range(p):
@@ -182,21 +204,20 @@ def solve_poses(
                 order[j] = order[j - 1]
                 j -= 1
             order[j] = moved
-        limit = np.inf
-        for k in range(K):
-            limit = min(limit, caps[n, k])
         for i in range(m):
             start[n, i] = d[order[i]]
             for k in range(K):
                 total = 0.0
                 for j in range(6):
                     total += at[k, j] * Z[order[i], j]
-                V[i, k] = total
+                V[k, i] = total
         # The correction for the curvature of P_k, as in `condensed.corrected`.
+        for i in range(m):
+            d[i] = start[n, i]
         settled[n] = True
         for i in range(count):
             for k in range(K):
-                x[k] = V[i, k]
+                x[k] = V[k, i]
             value = start[n, i]
             old_value, old_answer, slower = value, value, 0.0
             good = False
@@ -204,24 +225,29 @@ def solve_poses(
                 at_most = min(value, limit)
                 quotient = 0.0
                 for k in range(K):
-                    t = 2.0 * at_most / caps[n, k] - 1.0
-                    total = powers[n, k, powers.shape[2] - 1]
-                    for j in range(powers.shape[2] - 2, -1, -1):
-                        total = total * t + powers[n, k, j]
-                    rho[k] = total - P[n, k] - slope[n, k] * value
+                    t[k] = at_most * scale[k] - 1.0
+                    rho[k] = power[terms - 1, k]
+                for j in range(terms - 2, -1, -1):
+                    for k in range(K):
+                        rho[k] = rho[k] * t[k] + power[j, k]
+                for k in range(K):
+                    rho[k] -= P[k] + slope[k] * value
+                    t[k] = rho[k] * x[k]
+                for j in range(m):
+                    y[j] = 0.0
+                for k in range(K):
+                    for j in range(m):
+                        y[j] += t[k] * V[k, j]
                 norm = 0.0
                 for j in range(m):
-                    total = 0.0
-                    for k in range(K):
-                        total += rho[k] * x[k] * V[j, k]
-                    y[j] = 1.0 if j == i else -total / (start[n, j] - value)
+                    y[j] = 1.0 if j == i else -y[j] / (d[j] - value)
                     norm += y[j] * y[j]
-                    quotient += y[j] * y[j] * (start[n, j] - start[n, i])
+                    quotient += y[j] * y[j] * (d[j] - d[i])
                 for k in range(K):
-                    x[k] = 0.0
-                for j in range(m):
-                    for k in range(K):
-                        x[k] += y[j] * V[j, k]
+                    total = 0.0
+                    for j in range(m):
+                        total += y[j] * V[k, j]
+                    x[k] = total
                 for k in range(K):
                     quotient += rho[k] * x[k] * x[k]
                 answer = start[n, i] + quotient / norm
@@ -236,3 +262,28 @@ def solve_poses(
                     break
             found[n, i] = value
             settled[n] = settled[n] and good
+        # Wittrick and Williams: poles, and negative pivots of D, below a point just past the last.
+        value = found[n, count - 1] * (1.0 + beside)
+        below[n] = 0
+        for k in range(K):
+            rho[k] = power[terms - 1, k]
+            t[k] = value * scale[k] - 1.0
+        for j in range(terms - 2, -1, -1):
+            for k in range(K):
+                rho[k] = rho[k] * t[k] + power[j, k]
+        for q in range(p):
+            rho[owner[q]] -= residues[n, q] / (poles[n, q] - value)
+            if poles[n, q] < value:
+                below[n] += 1
+        for i in range(6):
+            for j in range(i + 1):
+                total = -value if i == j else 0.0
+                for k in range(K):
+                    total += rho[k] * a[n, k, i] * a[n, k, j]
+                for k in range(j):
+                    total -= C[i, k] * C[j, k] * w[k]
+                C[i, j] = total / w[j] if j < i else 1.0
+                if i == j:
+                    w[i] = total
+                    if total < 0:
+                        below[n] += 1

@@ -8,6 +8,7 @@ it. Without shear and rotary inertia all of it is universal; else poles, residue
 matters while the table is made, never afterwards.
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -51,7 +52,13 @@ class LimbModes:
         """Return poles x_j (N, p), residues c_j (N, p) and P's powers (N, 3, DEGREE + 1)."""
         low, high = _inverse_squares(self.span)
         u = (2 / lengths**2 - (high + low)) / (high - low)
-        values = chebyshev.chebvander(u, len(self.table) - 1) @ self.table
+        # T_k(u), a row each: their product with the table is one call of BLAS.
+        T = np.ones((max(len(self.table), 2), len(u)))
+        T[1] = u
+        for k in range(2, len(T)):
+            np.multiply(2 * u, T[k - 1], out=T[k])
+            T[k] -= T[k - 2]
+        values = T[: len(self.table)].T @ self.table
         poles = sum(self.kept)
         powers = values[:, 2 * poles :].reshape(-1, 3, DEGREE + 1)
         return values[:, :poles], values[:, poles : 2 * poles], powers
@@ -59,12 +66,13 @@ class LimbModes:
 
 def units(rod: Sections, lengths: Array) -> tuple[Array, Array]:
     """Return omega^2 at x = 1 [1/s^2] and stiffness at d = 1 [N/m], each (..., 3)."""
-    bending, bar = rod.EI / (rod.line_mass * lengths**4), rod.axial_speed2 / lengths**2
-    stiffness = rod.EI / lengths**3
-    return (
-        np.stack([bending, bending, bar], axis=-1),
-        np.stack([stiffness, stiffness, rod.EA / lengths], axis=-1),
-    )
+    frequency2, stiffness = np.empty((2, *np.shape(lengths), 3))
+    square = lengths * lengths
+    stiffness[..., 0] = stiffness[..., 1] = bending = rod.EI / (square * lengths)
+    stiffness[..., 2] = rod.EA / lengths
+    frequency2[..., 0] = frequency2[..., 1] = bending / (rod.line_mass * lengths)
+    frequency2[..., 2] = rod.axial_speed2 / square
+    return frequency2, stiffness
 
 
 def limb_modes(
@@ -75,11 +83,9 @@ def limb_modes(
     None where no table is exact: poles of different families may cross within the range.
     """
     # Round the range outward, so that neighbouring calls share a table.
-    span = (
-        float(2 ** (np.floor(4 * np.log2(lengths.min() * (1 - 1e-9))) / 4)),
-        float(2 ** (np.ceil(4 * np.log2(lengths.max() * (1 + 1e-9))) / 4)),
-    )
-    values = tuple(float(np.ravel(value)[0]) for value in vars(rod).values())
+    low, high = float(lengths.min()) * (1 - 1e-9), float(lengths.max()) * (1 + 1e-9)
+    span = 2 ** (math.floor(4 * math.log2(low)) / 4), 2 ** (math.ceil(4 * math.log2(high)) / 4)
+    values = tuple(value.item() for value in vars(rod).values())
     return _limb_modes(values, span, elements, level)
 
 

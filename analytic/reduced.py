@@ -9,6 +9,7 @@ eigenvalues of the matrix: each has one root, and the k-th root is the k-th mode
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,47 +17,69 @@ from numpy.typing import NDArray
 from analytic.dynamic_stiffness import Sections, sections
 from analytic.limb_modes import DEGREE, limb_modes, units
 from analytic.mechanism import Mechanism
-from analytic.pose import Pose, position
+from analytic.pose import CLOSURE, Pose, position
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
 
 
-@lru_cache(maxsize=32)
-def constants(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Floats, Floats, Floats]:
-    """Return the limbs' sections, A_i (n, 3), B_i over axes (2 n, 3), and W_i (n, 3, 6).
+@dataclass(frozen=True)
+class Constants:
+    """What poses share.
 
-    a = c @ W_i turns a direction c of the moving frame into the platform's coordinates, in which
-    its mass is the identity.
+    Attributes: the limbs' `rods` and, `alike`, which of them are equal; `points` A_i (n, 3);
+    `fixed` B_i over revolute axes (2 n, 3); `across` the pseudo-inverse of the axes' x and y
+    (2, n), for Eq. (2); `W` (n, 3, 6): a = c @ W_i turns a direction c of the moving frame into
+    the platform's coordinates, in which its mass is the identity.
     """
+
+    rods: Sections
+    alike: list[NDArray[np.intp]]
+    points: Floats
+    fixed: Floats
+    across: Floats
+    W: Floats
+
+
+@lru_cache(maxsize=32)
+def constants(mechanism: Mechanism, theory: Theory) -> Constants:
+    """Return what poses share."""
     root = np.linalg.cholesky(np.array(mechanism.platform.inertia))
     points = mechanism.platform_points
     turned = np.linalg.solve(root, np.cross(points[:, None, :], np.eye(3)).swapaxes(1, 2))
     moved = np.broadcast_to(np.eye(3) / np.sqrt(mechanism.platform.mass), turned.shape)
     W = np.concatenate([moved, turned], axis=1).swapaxes(1, 2)
     fixed = np.concatenate([mechanism.bases, mechanism.axes])
-    return sections(mechanism, theory), points, fixed, W
+    across = np.asarray(np.linalg.pinv(mechanism.axes[:, :2], rcond=1e-9), dtype=np.float64)
+    rods = sections(mechanism, theory)
+    return Constants(rods, _alike(rods), points, fixed, across, np.ascontiguousarray(W))
 
 
-def geometry(mechanism: Mechanism, theory: Theory, poses: Pose) -> tuple[Sections, Floats, Floats]:
-    """Return sections, lengths (N, n) [m] and vectors a_k (N, 3 n, 6) at `poses` (N,).
+def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Floats, Floats]:
+    """Return lengths (N, n) [m] and vectors a_k (N, 3 n, 6) at N `poses` of any shape.
 
-    As `limbs_at`, seen from the moving frame.
+    As `limbs_at`, seen from the moving frame. Raises `InputError` as `position` does.
     """
-    rods, points, fixed, W = constants(mechanism, theory)
-    n, R = len(points), poses.rotation
-    o = position(mechanism, poses)
-    seen = fixed @ R
-    limbs = (o[:, None, :] @ R) - seen[:, :n] + points
-    lengths = np.sqrt(np.einsum("Nij,Nij->Ni", limbs, limbs))
-    frames = np.empty((len(o), n, 3, 3))
-    frames[:, :, 1] = y = seen[:, n:]
+    n, R = len(known.points), poses.rotation.reshape(-1, 3, 3)
+    bases, axes = known.fixed[:n], known.fixed[n:]
+    o = np.empty((len(R), 3))
+    o[:, 2] = np.ravel(poses.z)
+    seen = known.fixed @ R
+    y = seen[:, n:]
+    # Every limb stays in its revolute joint's plane: y_i . (R^T (o - B_i) + A_i) = 0.
+    gap = (y * known.points).sum(axis=-1) - (axes * bases).sum(axis=-1)
+    o[:, :2] = -(gap + o[:, 2:] * axes[:, 2]) @ known.across.T
+    limbs = (o[:, None, :] @ R) - seen[:, :n] + known.points
+    lengths = np.sqrt((limbs * limbs).sum(axis=-1))
+    off_plane = np.abs((y * limbs).sum(axis=-1))
+    if off_plane.max(initial=0.0) > CLOSURE / 2 or lengths.min(initial=1.0) < 2 * CLOSURE:
+        position(mechanism, poses)  # refuses what does not close, in its own words
+    frames = np.empty((len(R), n, 3, 3))
+    frames[:, :, 1] = y
     frames[:, :, 2] = z = limbs / lengths[..., None]
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         frames[:, :, 0, i] = y[..., j] * z[..., k] - y[..., k] * z[..., j]
-    vectors = (frames @ W).reshape(len(o), 3 * n, 6)
-    return rods, lengths, vectors
+    return lengths, (frames @ known.W).reshape(len(R), 3 * n, 6)
 
 
 @dataclass(frozen=True)
@@ -81,7 +104,7 @@ class Reduced:
         """Lambda up to which the tables hold, shape (N,)."""
         return np.asarray(self.caps.min(axis=1))
 
-    def __getitem__(self, index: NDArray[np.bool_] | slice) -> "Reduced":
+    def __getitem__(self, index: NDArray[Any] | slice) -> "Reduced":
         return Reduced(
             self.lengths[index],
             self.vectors[index],
@@ -101,6 +124,39 @@ class Reduced:
             value *= t
             value += powers[..., k]
         return np.asarray(value)
+
+    def below(self, eigenvalue: Floats) -> NDArray[np.int64]:
+        """Return how many modes lie below `eigenvalue` (N,), torsion of limbs apart.
+
+        Wittrick and Williams' count, the limbs' D being exact to `limb_modes.EXACT`.
+        """
+        d = self.smooth(eigenvalue[:, None])[:, 0]
+        share = self.residues / (self.poles - eigenvalue[:, None])
+        for j, k in enumerate(self.owner):
+            d[:, k] -= share[:, j]
+        D = (self.vectors * d[..., None]).swapaxes(1, 2) @ self.vectors
+        D -= eigenvalue[:, None, None] * np.eye(6)
+        held = (self.poles < eigenvalue[:, None]).sum(axis=1)
+        return np.asarray(held + (np.linalg.eigvalsh(D) < 0).sum(axis=1))
+
+    def chord(self) -> tuple[Floats, Floats]:
+        """Return a chord of P_k by its value at 0 and slope, (N, 3 n).
+
+        From zero to the softest limb's first mode: right where modes are wanted.
+        """
+        end = np.minimum(self.poles.min(axis=1), self.limit)[:, None]
+        ends = self.smooth(np.concatenate([np.zeros_like(end), end], axis=1))
+        return ends[:, 0], (ends[:, 1] - ends[:, 0]) / end
+
+    def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
+        """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""
+        t = 2 * eigenvalue[:, None] / self.caps - 1
+        value, slope = self.powers[..., DEGREE].copy(), np.zeros_like(t)
+        for k in range(DEGREE - 1, -1, -1):
+            slope = slope * t + value
+            value = value * t + self.powers[..., k]
+        slope *= 2 / self.caps
+        return value - slope * eigenvalue[:, None], slope
 
     def pencil(self, P: Floats, slope: Floats) -> tuple[Floats, Floats]:
         """Solve with P_k + slope_k lambda for P_k(lambda); `P` and `slope` have shape (N, 3 n).
@@ -122,17 +178,18 @@ class Reduced:
 
 
 def reduced(
-    rods: Sections, lengths: Floats, vectors: Floats, elements: int | None, level: int
+    known: Constants, lengths: Floats, vectors: Floats, elements: int | None, level: int
 ) -> Reduced | None:
     """Return the problem at N poses with `level` bending modes of each kind a limb.
 
     None where the limbs' tables would not be exact.
     """
+    rods = known.rods
     N, n = lengths.shape
     frequency2, stiffness = units(rods, lengths)
     powers, caps = np.empty((N, n, 3, DEGREE + 1)), np.empty((N, n, 3))
     poles, residues, owner = [], [], []
-    for alike in _alike(rods):
+    for alike in known.alike:
         rod = Sections(*(value[alike[:1]] for value in vars(rods).values()))
         modes = limb_modes(rod, lengths[:, alike], elements, level)
         if modes is None:

@@ -33,6 +33,7 @@ def route(request, monkeypatch):
         monkeypatch.setattr(condensed, "compiled", lambda: None)
     elif compiled() is None:
         pytest.skip("numba is not installed")
+    return request.param
 
 
 def one_by_one(mechanism, poses, elements, beam, shear, count=6):
@@ -52,6 +53,7 @@ def test_equals_the_full_model(robot, workspace_poses, beam, shear, elements):
     check(robot, workspace_poses(8, 21), elements, beam, shear)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elements", [1, 3, None])
 @pytest.mark.parametrize("beam", ["euler-bernoulli", "timoshenko"])
 def test_more_modes_torsion_among_them(robot, workspace_poses, elements, beam):
@@ -64,14 +66,15 @@ def test_all_modes_of_one_element(robot, workspace_poses):
         condensed_frequencies(robot, Pose(0.5), 1, count=19)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elements", [3, None])
 def test_symmetric_poses_in_a_batch(robot, elements):
     """Repeated pairs, exactly and nearly, at zero and tiny tilt, among ordinary poses."""
     tilt = [0.0, 1e-12, 1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, -0.2, 0.0]
     poses = Pose(np.r_[np.full(9, 0.49), 0.61], 0.3, np.array(tilt))
-    for beam, shear in THEORIES:
+    for beam, shear in THEORIES[::2]:
         # The last one wanted may be half of a pair.
-        for count in (1, 5, 6):
+        for count in (5, 6):
             check(robot, poses, elements, beam, shear, count)
 
 
@@ -89,6 +92,7 @@ def test_platforms_that_stand_still():
     check(eight, Pose([0.4, 0.5]), 4, count=10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elements", [2, None])
 def test_different_rods(elements):
     regular = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), PLATE, limbs=4)
@@ -107,26 +111,26 @@ def test_what_fails_the_count_is_solved_by_bisection(robot, workspace_poses, mon
     poses = workspace_poses(4, 25)
     expected = condensed_frequencies(robot, poses)
     monkeypatch.setattr(
-        condensed, "_counted", lambda problem, *rest: np.zeros(len(problem.lengths), dtype=bool)
+        condensed, "_certain", lambda problem, *rest: np.zeros(len(problem.lengths), dtype=bool)
     )
     np.testing.assert_allclose(condensed_frequencies(robot, poses), expected, rtol=1e-11)
 
 
 def test_the_count_notices_a_missed_mode(robot, workspace_poses, monkeypatch):
     """Let the first attempt lose its third mode: the answer is still right."""
-    poses, solve = workspace_poses(4, 26), condensed._counted
+    poses, solve = workspace_poses(4, 26), condensed._certain
     expected = condensed_frequencies(robot, poses, count=5)
     sixth = (2 * np.pi * condensed_frequencies(robot, poses, count=6)[:, -1]) ** 2
     attempts = []
 
-    def lossy(problem, rods, elements, found):
+    def lossy(problem, found, below):
         if not attempts:
             found[:, 2:-1] = found[:, 3:]
             found[:, -1] = sixth
-        attempts.append(solve(problem, rods, elements, found))
+        attempts.append(solve(problem, found, None))
         return attempts[-1]
 
-    monkeypatch.setattr(condensed, "_counted", lossy)
+    monkeypatch.setattr(condensed, "_certain", lossy)
     np.testing.assert_allclose(condensed_frequencies(robot, poses, count=5), expected, rtol=1e-11)
     assert not attempts[0].any()
 
@@ -170,19 +174,34 @@ def seconds(call, repeats):
 
 
 @pytest.mark.slow
-def test_cost_of_a_batch(robot, workspace_poses):
-    """In 6 x 6 `eigh` calls of numpy, measured in the same run; no element count enters."""
+def test_cost_of_a_batch(robot, workspace_poses, route):
+    """In 6 x 6 `eigh` calls of numpy, in turn with them; no element count enters.
+
+    Alone on a machine the compiled loop needs 3 to 4; the limit leaves room for a busy one.
+    """
     poses = workspace_poses(4000, 28)
     matrices = np.random.default_rng(0).normal(size=(4000, 6, 6))
-    ratios = {}
-    for elements in (1, 64, None):
+    every = (1, 64, None)
+    for elements in every:
         condensed_frequencies(robot, poses, elements)
-        pairs = []
-        for _ in range(5):
-            unit = seconds(lambda: np.linalg.eigh(matrices), 1)
-            pairs.append(
-                seconds(lambda s=elements: condensed_frequencies(robot, poses, s), 1) / unit
-            )
-        ratios[elements] = np.median(pairs)
-    assert max(ratios.values()) < 12
-    assert ratios[64] < 1.2 * ratios[1]
+    ratios = []
+    for _ in range(9):
+        unit = seconds(lambda: np.linalg.eigh(matrices), 1)
+        taken = [seconds(lambda s=s: condensed_frequencies(robot, poses, s), 1) for s in every]
+        ratios.append([*np.array(taken) / unit, taken[1] / taken[0]])
+    *units, growth = np.median(ratios, axis=0)
+    assert max(units) < (12 if route == "numpy" else 6)
+    assert growth < 1.2
+
+
+def test_cost_of_one_pose(robot, case2, route):
+    if route == "numpy":
+        pytest.skip("two or three times the cost, in calls of numpy")
+    K, M = (matrix.toarray() for matrix in Substructure(3).matrices(robot, case2))
+    condensed_frequencies(robot, case2, 3)
+    ratios = []
+    for _ in range(15):
+        assembled = seconds(lambda: [scipy.linalg.eigh(K, M) for _ in range(10)], 1)
+        one = seconds(lambda: [condensed_frequencies(robot, case2, 3) for _ in range(10)], 1)
+        ratios.append(one / assembled)
+    assert np.median(ratios) < 1
