@@ -25,6 +25,7 @@ from harness.options import (
 from harness.sweep_command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import progress, show, status, write
+from harness.workspace_command import workspace
 from reference_models import UnavailableError, catalogue
 
 
@@ -260,3 +261,6 @@ def run_reproduce(request: Request) -> int:
 
 
 cli.add_command(sweep)
+
+
+cli.add_command(workspace)
