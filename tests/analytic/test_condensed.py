@@ -116,8 +116,9 @@ def test_what_fails_the_count_is_solved_by_bisection(robot, workspace_poses, mon
     np.testing.assert_allclose(condensed_frequencies(robot, poses), expected, rtol=1e-11)
 
 
-def test_the_count_notices_a_missed_mode(robot, workspace_poses, monkeypatch):
-    """Let the first attempt lose its third mode: the answer is still right."""
+@pytest.mark.parametrize("fault", ["missed", "doubled"])
+def test_the_count_notices_a_wrong_mode(robot, workspace_poses, monkeypatch, fault):
+    """Let the first attempt miss its third mode, or find it twice: the answer is still right."""
     poses, solve = workspace_poses(4, 26), condensed._certain
     expected = condensed_frequencies(robot, poses, count=5)
     sixth = (2 * np.pi * condensed_frequencies(robot, poses, count=6)[:, -1]) ** 2
@@ -125,8 +126,10 @@ def test_the_count_notices_a_missed_mode(robot, workspace_poses, monkeypatch):
 
     def lossy(problem, found, below):
         if not attempts:
-            found[:, 2:-1] = found[:, 3:]
-            found[:, -1] = sixth
+            if fault == "missed":
+                found[:, 2:] = np.column_stack([found[:, 3:], sixth])
+            else:
+                found[:, 3:] = found[:, 2:-1]
         attempts.append(solve(problem, found, None))
         return attempts[-1]
 
