@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
+from analytic.errors import count as whole
 from analytic.limb_table import DIRECTIONS, OCTAVES, Columns, LimbTable
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Mechanism
@@ -45,7 +46,7 @@ class SolidLimb:
         diameters, or more modes than coordinates.
         """
         flat = Pose(*(np.ravel(value) for value in (poses.z, poses.azimuth, poses.tilt)))
-        result = np.empty((len(flat), count))
+        result = np.empty((len(flat), whole("count", count)))
         for start in range(0, len(flat), CHUNK):
             part = slice(start, start + CHUNK)
             problem = self._problem(mechanism, flat[part])

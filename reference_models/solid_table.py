@@ -21,7 +21,7 @@ FORM = 1
 KEPT = {"x": 2, "y": 2, "z": 0, "twist": 2}
 """Modes kept of each family; each but "twist" has one more, for all others."""
 NODES = 14
-LEVELS = np.array([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0])
+LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 4.0, 5.0, 6.0])
 """Up to these multiples of the rod's lowest pole are errors measured."""
 CHECKS = 5
 
