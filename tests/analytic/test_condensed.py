@@ -1,10 +1,7 @@
 """Many poses at once: equal to the models it condenses, whatever the batch holds."""
 
-import time
-
 import numpy as np
 import pytest
-import scipy.linalg
 
 from analytic import (
     Continuum,
@@ -165,46 +162,3 @@ def test_ten_thousand_poses_keep_their_counts(robot, workspace_poses, elements):
     some = np.arange(0, 10_000, 500)
     expected = one_by_one(robot, poses[some], elements, "timoshenko", "cowper")
     np.testing.assert_allclose(found[some], expected, rtol=1e-9)
-
-
-def seconds(call, repeats):
-    taken = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        call()
-        taken.append(time.process_time() - begin)
-    return float(np.median(taken))
-
-
-@pytest.mark.slow
-def test_cost_of_a_batch(robot, workspace_poses, route):
-    """In 6 x 6 `eigh` calls of numpy, in turn with them; no element count enters.
-
-    Alone on a machine the compiled loop needs 3 to 4; the limit leaves room for a busy one.
-    """
-    poses = workspace_poses(4000, 28)
-    matrices = np.random.default_rng(0).normal(size=(4000, 6, 6))
-    every = (1, 64, None)
-    for elements in every:
-        condensed_frequencies(robot, poses, elements)
-    ratios = []
-    for _ in range(9):
-        unit = seconds(lambda: np.linalg.eigh(matrices), 1)
-        taken = [seconds(lambda s=s: condensed_frequencies(robot, poses, s), 1) for s in every]
-        ratios.append([*np.array(taken) / unit, taken[1] / taken[0]])
-    *units, growth = np.median(ratios, axis=0)
-    assert max(units) < (12 if route == "numpy" else 6)
-    assert growth < 1.2
-
-
-def test_cost_of_one_pose(robot, case2, route):
-    if route == "numpy":
-        pytest.skip("two or three times the cost, in calls of numpy")
-    K, M = (matrix.toarray() for matrix in Substructure(3).matrices(robot, case2))
-    condensed_frequencies(robot, case2, 3)
-    ratios = []
-    for _ in range(15):
-        assembled = seconds(lambda: [scipy.linalg.eigh(K, M) for _ in range(10)], 1)
-        one = seconds(lambda: [condensed_frequencies(robot, case2, 3) for _ in range(10)], 1)
-        ratios.append(one / assembled)
-    assert np.median(ratios) < 1
