@@ -114,11 +114,12 @@ def inscribed(
 ) -> tuple[Floats, Floats]:
     """Return the largest reachable circle about tilt 0 at each `z`: its tilt, and where it touches.
 
-    Both have shape (n,) [rad]. The boundary is sampled at `azimuths`; every least sample is then
-    closed in on between its neighbours. NaN where tilt 0 is not reachable.
+    Both have shape (n,) [rad]. The boundary is sampled at `azimuths` (24 or more), and every least
+    sample closed in on between its neighbours: a dip between two samples that neither of them
+    feels is not seen. NaN where tilt 0 is not reachable.
     """
     z = np.atleast_1d(np.asarray(z, dtype=float))
-    width = 2 * np.pi / count("azimuths", azimuths, at_least=8)
+    width = 2 * np.pi / count("azimuths", azimuths, at_least=24)
     around = width * np.arange(azimuths)
     tilts = boundary(mechanism, z[:, None], around, limits)
     least = (tilts <= np.roll(tilts, 1, axis=1)) & (tilts <= np.roll(tilts, -1, axis=1))

@@ -37,12 +37,10 @@ def region_figure(region: Region, layers: Floats) -> Figure:
     azimuth = np.radians(np.arange(0, 361, 1))
     for height, colour in zip(layers, colours, strict=True):
         edge = boundary(region.mechanism, height, azimuth, region.limits)
-        radius = np.degrees(circles.radius(height))
+        radius = float(np.degrees(circles.radius(height)))
         side.plot([0, radius], [1000 * height] * 2, color=colour, lw=1.2)
         above.plot(azimuth, np.degrees(edge), color=colour, lw=1.6, label=f"{1000 * height:.0f} mm")
-        above.plot(
-            azimuth, np.full_like(azimuth, np.degrees(radius)), color=colour, lw=0.8, ls="--"
-        )
+        above.plot(azimuth, np.full_like(azimuth, radius), color=colour, lw=0.8, ls="--")
     side.set_xlim(left=0)
     side.set_xlabel("tilt [deg]")
     side.set_ylabel("height $z$ [mm]")
