@@ -87,10 +87,10 @@ def symmetry_table(data: WorkspaceMap, shown: Sequence[int]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for i in shown:
         mode = wave[..., i - 1]
-        if not np.isfinite(mode).any():
+        if not np.isfinite(mode[:, 1:]).any():
             rows.append((f"f{i}", "", "", "", ""))
             continue
-        k, j = np.unravel_index(np.nanargmax(mode), mode.shape)
+        k, j = (int(n) for n in np.unravel_index(np.nanargmax(mode), mode.shape))
         tilts = data.grid.tilt[k, : j + 1]
         half = np.interp(tilts[-1] / 2, tilts, mode[k, : j + 1])
         z, tilt = 1000 * data.grid.z[k], np.degrees(tilts[-1])
@@ -160,9 +160,12 @@ def verdicts(region: Region, data: WorkspaceMap, shown: Sequence[int]) -> list[s
 
 
 def _symmetry(data: WorkspaceMap, shown: Sequence[int]) -> str:
-    wave = ripple(data)
-    largest = {i: float(np.nanmax(wave[..., i - 1], initial=0.0)) for i in shown}
     said = '"Circularly symmetrical"'
+    rings = ripple(data)[:, 1:]  # a level platform has no azimuth
+    complete = np.isfinite(rings).all(axis=-1)
+    if not complete.any():
+        return f"{said}: not checked, for no circle of one tilt is complete."
+    largest = {i: float(rings[complete, i - 1].max()) for i in shown}
     limbs = len(data.region.mechanism.limbs)
     change = turned(data, limbs)
     if max(largest.values()) < ROUNDING:

@@ -113,7 +113,7 @@ def workspace(
     for stem, table in tables.items():
         files |= table.files(stem)
     figures = {
-        "workspace": region_figure(region, z),
+        "workspace": region_figure(region, drawn),
         "contours": contour_figure(data, shown),
         "surfaces": surface_figure(data, shown),
         "ripple": ripple_figure(data, shown),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analytic.workspace import boundary
 from harness.figures import COLOURS
 from harness.workspace_checks import ripple
-from harness.workspace_map import Region, WorkspaceMap
+from harness.workspace_map import Grid, Region, WorkspaceMap
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ COLOUR_MAP = "viridis"
 LEVELS = 10
 
 
-def region_figure(region: Region, layers: Floats) -> Figure:
+def region_figure(region: Region, grid: Grid) -> Figure:
     """Return the circles and the cone against height, and each layer's boundary from above."""
     figure = Figure(figsize=(11, 5), layout="constrained")
     side: Any = figure.add_subplot(1, 2, 1)
@@ -33,11 +33,11 @@ def region_figure(region: Region, layers: Floats) -> Figure:
     tilt, z = np.degrees(cone.radii), 1000 * cone.z
     side.fill_betweenx(z, tilt, color=COLOURS[0], alpha=0.25, lw=0, label="truncated cone")
     side.plot([0, *tilt, 0], z[[0, 0, 1, 1]], color=COLOURS[0], lw=1)
-    colours = mpl.colormaps[COLOUR_MAP](np.linspace(0.0, 0.9, len(layers)))
+    colours = mpl.colormaps[COLOUR_MAP](np.linspace(0.0, 0.9, len(grid.z)))
     azimuth = np.radians(np.arange(0, 361, 1))
-    for height, colour in zip(layers, colours, strict=True):
+    for height, circle, colour in zip(grid.z, grid.radii, colours, strict=True):
         edge = boundary(region.mechanism, height, azimuth, region.limits)
-        radius = float(np.degrees(circles.radius(height)))
+        radius = float(np.degrees(circle))
         side.plot([0, radius], [1000 * height] * 2, color=colour, lw=1.2)
         above.plot(azimuth, np.degrees(edge), color=colour, lw=1.6, label=f"{1000 * height:.0f} mm")
         above.plot(azimuth, np.full_like(azimuth, radius), color=colour, lw=0.8, ls="--")
