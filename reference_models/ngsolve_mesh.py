@@ -28,7 +28,9 @@ def load() -> Any:
     except ModuleNotFoundError:
         raise UnavailableError(f"ngsolve is not installed; {INSTALL}") from None
     except ImportError as error:
-        raise UnavailableError(f"ngsolve cannot be imported ({error}); {INSTALL}") from None
+        # Its BLAS is linked to a library of the compiler's that bare machines lack.
+        remedy = "install the system's libquadmath (Debian: apt-get install libquadmath0)"
+        raise UnavailableError(f"ngsolve cannot be imported ({error}); {remedy}") from None
     return ngsolve
 
 

@@ -84,7 +84,7 @@ def test_quadratic_rods_too(
     assert np.abs(found / truth - 1).max() < 2e-5
 
 
-@pytest.mark.parametrize("faces", ["rigid", "averaged"])
+@pytest.mark.parametrize("faces", ["rigid", pytest.param("averaged", marks=pytest.mark.slow)])
 def test_shapes_are_those_of_the_meshed_rods(
     others: Path, robot: Mechanism, case2: Pose, faces: str
 ) -> None:
@@ -116,7 +116,7 @@ def test_many_poses_in_any_shape(
 
 
 def test_rods_and_octaves_may_differ(model: SolidLimb) -> None:
-    light = Rod(Material(70e9, 26e9, 2700.0), 0.06)
+    light = Rod(Material(100e9, 38.5e9, 4400.0), 0.06)  # the same Poisson ratio: one table
     steel = Rod(Material(200e9, 77e9, 7820.0), 0.08)
     robot = Mechanism.regular(0.3, 0.2, steel, Platform.disc(0.2, 0.02, 7820.0), limbs=4)
     mixed = replace(robot, limbs=(replace(robot.limbs[0], rod=light), *robot.limbs[1:]))
@@ -145,7 +145,7 @@ def test_a_kept_table_is_not_made_again(
     again = solid_limb(*COARSE, folder=cached.parent).frequencies(robot, case2)
     np.testing.assert_array_equal(again, model.frequencies(robot, case2))
     # Whatever the table depends on is in its name.
-    for settings in ((3, 1, "rigid"), (2, 2, "rigid"), (2, 1, "averaged")):
+    for settings in ((1, 1, "rigid"), (1, 2, "rigid"), (2, 1, "averaged")):
         with pytest.raises(AssertionError, match="made again"):
             solid_limb(*settings, cached.parent).frequencies(robot, case2)
 
@@ -166,10 +166,13 @@ def test_a_damaged_file_is_named_and_made_anew(
     robot: Mechanism,
     case2: Pose,
     model: SolidLimb,
+    monkeypatch: pytest.MonkeyPatch,
     damage: Callable[[bytes], bytes],
 ) -> None:
     whole = cached.read_bytes()
     cached.write_bytes(damage(whole))
+    known = model.tables(robot.limbs[0].rod.material.poisson, 2)
+    monkeypatch.setattr(solid_cache, "limb_table", lambda held, octave: known)
     with pytest.warns(CacheWarning, match=f"{cached.name} is damaged"):
         found = solid_limb(*COARSE, folder=cached.parent).frequencies(robot, case2)
     np.testing.assert_array_equal(found, model.frequencies(robot, case2))

@@ -1,5 +1,6 @@
 """NGSolve's solid rods against accepted limits, beams, closed forms, symmetry and misuse."""
 
+import builtins
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -204,6 +205,7 @@ def test_limbs_twist_by_themselves(robot: Mechanism, case1: Pose) -> None:
     assert (near & still).sum() == 3
 
 
+@pytest.mark.slow
 def test_limbs_may_differ_and_be_any_number() -> None:
     light = Rod(Material(70e9, 26e9, 2700.0), 0.06)
     robot = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.08), Platform.disc(0.2, 0.02, 7820), limbs=4)
@@ -235,6 +237,21 @@ def test_without_ngsolve_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> 
         reference("ngsolve-solid")
     with pytest.raises(UnavailableError, match="ngsolve is not installed"):
         NgsolveSolid().modes(Mechanism.paper(), Pose(0.49))
+
+
+def test_without_its_system_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = "libquadmath.so.0: cannot open shared object file: No such file or directory"
+    real = builtins.__import__
+
+    def unlinked(module: str, *arguments: Any) -> Any:
+        if module == "ngsolve":
+            raise ImportError(lacking)
+        return real(module, *arguments)
+
+    monkeypatch.setattr(builtins, "__import__", unlinked)
+    missing = NgsolveSolid.info().missing
+    assert lacking in missing
+    assert "apt-get install libquadmath0" in missing
 
 
 def test_a_failing_mesher_is_a_model_error(monkeypatch: pytest.MonkeyPatch) -> None:
