@@ -18,7 +18,7 @@ def gap(model: Any, data: Any, limbs: list[Limb]) -> float:
 
     A `connect` knows its gap; a flex's last vertex, on the platform, is where the platform is.
     """
-    hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
+    hinges = [model.body(f"B{i}").jntadr[0] for i in range(len(limbs))]
     gaps = [
         data.xanchor[hinges] - [limb.base for limb in limbs],
         np.reshape(data.efc_pos, (-1, 3)),

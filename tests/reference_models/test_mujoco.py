@@ -1,4 +1,4 @@
-"""`mujoco-cable` on the installed MuJoCo, 4 or 3; the last test runs this file on 3.17.0."""
+"""`mujoco-cable` on the installed MuJoCo, 4 or 3; the last test runs it on 3.17.0 too."""
 
 import os
 import shutil
@@ -25,7 +25,7 @@ from analytic import (
 )
 from analytic.pairing import mass_vectors, pair
 from analytic.substructure import rigid_arm
-from reference_models import ModelError, UnavailableError, mujoco_cable, reference
+from reference_models import ModelError, UnavailableError, mujoco_system, reference
 from reference_models.mujoco_cable import MujocoCable
 from reference_models.projection import constrained_modes
 
@@ -255,7 +255,7 @@ def test_silent_and_clean(
 def test_missing(
     robot: Mechanism, case2: Pose, installed: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mujoco_cable, "_installed", lambda: installed)
+    monkeypatch.setattr(mujoco_system, "installed", lambda: installed)
     missing = MujocoCable.info().missing
     assert said in missing
     assert "pip install" in missing
@@ -290,7 +290,7 @@ def test_bad_input(robot: Mechanism, case2: Pose, workspace_poses: Poses) -> Non
 @pytest.mark.slow
 @pytest.mark.skipif(not FLEX or SECOND_MARK in os.environ, reason="this is the second environment")
 def test_on_the_last_mujoco_3(tmp_path: Path) -> None:
-    """This file on 3.17.0, laid over the running environment, which stays as it is."""
+    """Both models on 3.17.0, laid over the running environment, which stays as it is."""
     uv = shutil.which("uv")
     command = [uv] if uv else [sys.executable, "-m", "uv"]
     if subprocess.run([*command, "--version"], capture_output=True).returncode:
@@ -298,6 +298,7 @@ def test_on_the_last_mujoco_3(tmp_path: Path) -> None:
     overlay = ["--no-project", "--python", sys.executable, "--with", f"mujoco=={SECOND}"]
     numpy = ["--with", f"numpy=={np.__version__}"]
     tests = ["python", "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__]
+    tests.append(str(Path(__file__).with_name("test_mujoco_chain.py")))
     done = subprocess.run(
         [*command, "run", *overlay, *numpy, *tests],
         cwd=Path(__file__).parents[2],
