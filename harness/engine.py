@@ -7,12 +7,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from queue import SimpleQueue
 from threading import Lock
+from time import monotonic
 from typing import Any, Protocol, TypeVar
 
 from analytic import InputError
 from harness.child import Children, answer
 from harness.jobs import Failure, Task
 
+START = 0.5
+"""Seconds of analytic work before another process is started for it."""
 T = TypeVar("T", bound=Task)
 
 AHEAD = 3
@@ -65,7 +68,8 @@ def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
 class Local:
     """All cores of this machine. Simulators run in processes of their own, which may die.
 
-    So do analytic models, but for one at a time in this process, which is ready at once.
+    An analytic task runs in this process if none does: it is ready at once. The others wait for
+    that at first, for a process of their own takes longer to start than a small sweep to end.
     """
 
     def __init__(self, cores: int, patience: Patience) -> None:
@@ -73,6 +77,7 @@ class Local:
         self._patience = patience
         self._children = Children()
         self._here = Lock()
+        self._began = monotonic()
         self._threads = ThreadPoolExecutor(cores)
 
     def submit(self, task: Task) -> Any:
@@ -80,7 +85,7 @@ class Local:
         return self._threads.submit(self._solve, task)
 
     def _solve(self, task: Task) -> object:
-        if task.safe and self._here.acquire(blocking=False):
+        if task.safe and self._here.acquire(blocking=monotonic() < self._began + START):
             try:
                 return answer(task)
             finally:

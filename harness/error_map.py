@@ -19,9 +19,6 @@ from harness.pose_sets import written
 from harness.sweep import Sweep, answers
 from harness.tables import Cell, Number, Table
 
-WORST = 3
-"""Poses named for each mode."""
-
 Floats = NDArray[np.float64]
 
 ERRORS = {
@@ -54,20 +51,20 @@ class Errors:
     where: NDArray[np.int64] = field(init=False)
 
     def __post_init__(self) -> None:
-        m = len(self.modes)
-        self.total, self.squares = np.zeros(m), np.zeros(m)
-        self.worst, self.where = np.zeros((0, m)), np.zeros((0, m), dtype=np.int64)
+        self.total, self.squares, self.worst = np.zeros((3, len(self.modes)))
+        self.where = np.zeros(len(self.modes), dtype=np.int64)
 
     def add(self, numbers: NDArray[np.int64], error: Floats) -> None:
         """Take in the errors (n, m) at poses of these `numbers` (n,)."""
         self.poses += len(numbers)
         self.total += error.sum(axis=0)
         self.squares += (error**2).sum(axis=0)
-        worst = np.concatenate([self.worst, error])
-        where = np.concatenate([self.where, np.repeat(numbers[:, None], error.shape[1], axis=1)])
-        first = np.argsort(-np.abs(worst), axis=0, kind="stable")[:WORST]
-        self.worst = np.take_along_axis(worst, first, axis=0)
-        self.where = np.take_along_axis(where, first, axis=0)
+        k = np.abs(error).argmax(axis=0)
+        largest = error[k, np.arange(len(k))]
+        # The first of equals stays, and a worst pose is named even where no error is.
+        worse = (np.abs(largest) > np.abs(self.worst)) | (self.where == 0)
+        self.worst = np.where(worse, largest, self.worst)
+        self.where = np.where(worse, numbers[k], self.where)
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,11 @@ class ShapeCheck:
     spec: Spec
     against: Spec
     count: int
-    safe = False
+
+    @property
+    def safe(self) -> bool:
+        """Whether it can neither crash nor hang."""
+        return self.spec.analytic and self.against.analytic
 
     def solve(self) -> tuple[Floats, Floats]:
         """Return errors [%] by shape and the pairs' assurance, each (count,)."""
@@ -103,8 +104,8 @@ def compare(
                 here = np.flatnonzero(~np.isnan(both[0][:, 0] + both[1][:, 0]))
                 ours, theirs = (values[np.ix_(here, errors.modes - 1)] for values in both)
                 error = 100 * (ours / theirs - 1)
-                errors.add(start + here + 1, error)
                 if len(here):
+                    errors.add(start + here + 1, error)
                     yield _frame(errors, against, start + here, sweep.poses, error)
 
     write_frames(folder, f"errors.{suffix}", frames(), ERRORS)
@@ -145,7 +146,7 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
     for errors in gathered:
         for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
             values = (
-                abs(errors.worst[0, k]),
+                abs(errors.worst[k]),
                 np.sqrt(errors.squares[k] / errors.poses),
                 errors.total[k] / errors.poses,
             )
@@ -159,42 +160,32 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
 def worst_table(
     sweep: Sweep, gathered: list[Errors], against: Spec, engine: Engine, command: str
 ) -> Table:
-    """The worst poses of each mode, their errors with modes paired by shape, how to see them."""
-    found = sorted({(e.spec, int(n)) for e in gathered for n in e.where.ravel()}, key=str)
-    checks = {
-        (spec, n): ShapeCheck(sweep.mechanism, sweep.poses[n - 1], spec, against, sweep.count)
-        for spec, n in found
-    }
-    by_shape = {(task.spec, task.pose): result for task, result in run(engine, checks.values())}
+    """The worst pose of each mode, its error paired by shape, and how to see it again."""
+    checks = [
+        ShapeCheck(sweep.mechanism, sweep.poses[n - 1], errors.spec, against, sweep.count)
+        for errors in gathered
+        for n in np.unique(errors.where[errors.where > 0]).tolist()
+    ]
+    by_shape = {(task.spec, task.pose): result for task, result in run(engine, checks)}
     rows: list[tuple[Cell, ...]] = []
-    notes = []
     for errors in gathered:
-        for k, mode in enumerate(errors.modes.tolist()):
-            for error, n in zip(errors.worst[:, k], errors.where[:, k].tolist(), strict=True):
-                pose = sweep.poses[n - 1]
-                result = by_shape[errors.spec, pose]
-                pairs: tuple[Cell, ...] = ("-", "-")
-                if not isinstance(result, Failure):
-                    shaped, assurance = result
-                    pairs = (Number(shaped[mode - 1], 6, True), Number(assurance[mode - 1]))
-                at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
-                where = (Number(float(value)) for value in at)
-                rows.append(
-                    (
-                        errors.spec.label,
-                        f"f{mode}",
-                        Number(float(error), 6, True),
-                        *pairs,
-                        n,
-                        *where,
-                    )
-                )
-            if len(errors.where):
-                worst = sweep.poses[int(errors.where[0, k]) - 1]
-                notes.append(
-                    f"f{mode} of {errors.spec.label}: rps-bench sweep --poses {written(worst)} "
-                    f"--models {errors.spec.label} --against {against.label}{command}"
-                )
+        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
+            n = int(errors.where[k])
+            pose = sweep.poses[n - 1]
+            result = by_shape[errors.spec, pose]
+            pairs: tuple[Cell, ...] = ("-", "-")
+            if not isinstance(result, Failure):
+                pairs = (Number(result[0][mode - 1], 6, True), Number(result[1][mode - 1]))
+            at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
+            error = Number(float(errors.worst[k]), 6, True)
+            where = (Number(float(value)) for value in at)
+            rows.append((errors.spec.label, f"f{mode}", error, *pairs, n, *where))
+    labels = ",".join(errors.spec.label for errors in gathered)
+    notes = tuple(
+        f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
+        f"--against {against.label}{command}"
+        for n in sorted({n for errors in gathered for n in errors.where.tolist() if n})
+    )
     columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
                "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
-    return Table(f"Worst poses against {against.label}", columns, tuple(rows), tuple(notes))
+    return Table(f"Worst poses against {against.label}", columns, tuple(rows), notes)

@@ -110,12 +110,17 @@ def _settings(spec: Spec, version: str, mechanism: Mechanism, count: int) -> byt
     return repr((spec, version, mechanism, count)).encode()
 
 
-def jobs(spec: Spec, mechanism: Mechanism, poses: Pose, count: int) -> Iterator[Job]:
-    """Yield the jobs that cover all `poses`, split at fixed numbers, in order."""
+def jobs(
+    spec: Spec, mechanism: Mechanism, poses: Pose, count: int, first: int = 0
+) -> Iterator[Job]:
+    """Yield the jobs that cover all `poses`, numbered from `first` on, in order.
+
+    Split at fixed numbers: the last bits of an analytic answer depend on a pose's company.
+    """
     size = BATCH if spec.analytic else 1
     program = version_of(spec)
     for start in range(0, len(poses), size):
-        yield Job(spec, program, mechanism, count, start, poses[start : start + size])
+        yield Job(spec, program, mechanism, count, first + start, poses[start : start + size])
 
 
 @lru_cache(maxsize=64)
@@ -137,17 +142,15 @@ def built(spec: Spec) -> Model:
 
 
 def _batch(job: Job) -> Answer:
-    spec, poses, n = job.spec, job.poses, len(job.poses)
+    spec = job.spec
     assert not isinstance(spec.elements, tuple), "only simulators are extrapolated"
-    # Whole chunks only: the last bits of a pose then do not depend on how many come with it.
-    padded = poses[np.minimum(np.arange(-(-n // CHUNK) * CHUNK), n - 1)]
     began = perf_counter()
     found = condensed_frequencies(
-        job.mechanism, padded, spec.elements, beam=spec.name, shear=spec.shear, count=job.count
+        job.mechanism, job.poses, spec.elements, beam=spec.name, shear=spec.shear, count=job.count
     )
     seconds = perf_counter() - began
     theory = Theory(spec.name, spec.shear)
     names = sorted({theory.label(limb.rod.material) for limb in job.mechanism.limbs})
     limbs = len(job.mechanism.limbs)
     dofs = 0 if spec.elements is None else 6 + limbs * (6 * spec.elements - 2)
-    return Answer(found[:n], None, None, "; ".join(names), dofs, seconds)
+    return Answer(found, None, None, "; ".join(names), dofs, seconds)

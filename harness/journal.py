@@ -99,7 +99,8 @@ class Journal:
 
     def _damaged(self, why: str) -> OutputError:
         return OutputError(
-            f"--output = {str(self._folder)!r}: its {NAME} is damaged ({why}); "
+            f"--output = {str(self._folder)!r}: its {NAME} is damaged "
+            f"({' '.join(why.split())}); "
             "move it away to start anew"
         )
 

@@ -49,12 +49,11 @@ class Sweep:
     count: int
 
     def jobs(self, spec: Spec, start: int = 0, stop: int | None = None) -> Iterator[Job]:
-        """Yield the jobs of one model for the poses from `start`, a multiple of `BATCH`, on."""
-        for job in jobs(spec, self.mechanism, self.poses[start:stop], self.count):
-            yield Job(job.spec, job.version, job.mechanism, job.count, job.start + start, job.poses)
+        """Return the jobs of one model for the poses from `start`, a multiple of `BATCH`, on."""
+        return jobs(spec, self.mechanism, self.poses[start:stop], self.count, start)
 
     def blocks(self) -> Iterator[tuple[int, int]]:
-        """Yield first and last-but-one numbers of the blocks in which poses are read back."""
+        """Yield start and stop of the blocks in which poses are read back."""
         for start in range(0, len(self.poses), BATCH):
             yield start, min(start + BATCH, len(self.poses))
 
@@ -99,16 +98,15 @@ def complete(
 
 
 def seconds_a_pose(sweep: Sweep, spec: Spec, engine: Engine) -> float | Failure:
-    """Return what one pose of one model takes on one core, measured at the first [s]."""
-    first = next(sweep.jobs(spec, 0, 1))
+    """Return what a pose of one model takes on one core, measured at the first job [s]."""
+    first = next(sweep.jobs(spec, 0, CHUNK))
     for _ in range(2):  # the first time pays for the start of a process
         began = perf_counter()
         ((_, result),) = run(engine, [first])
         elapsed = perf_counter() - began
     if isinstance(result, Failure):
         return result
-    # An analytic model takes no longer for a chunk of poses than for one.
-    return elapsed / (CHUNK if spec.analytic else 1)
+    return elapsed / len(first.poses)
 
 
 def answers(
