@@ -49,6 +49,8 @@ class NgsolveSolid:
 
     `faces`: "rigid" (RBE2) or "averaged" (RBE3), see `solid_faces`. One rod of 5 diameters is
     meshed and stretched along its axis to each limb's length; see `solid_rod` for its symmetry.
+    Joints are closed by construction, so `Modes.residual` is only where the placed rod ends,
+    its length rounded to twelve digits, against A_i.
     Raises `InputError` for fewer than one element or more than 16 / order, an order not in 1..6, or
     unknown faces.
     """
