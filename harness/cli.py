@@ -162,6 +162,29 @@ def budget(request: Request) -> int:
 
 @cli.command()
 @takes_request
+def slenderness(request: Request) -> int:
+    """Beam theory against 3-D solids at d/L = 0.05, 0.1, 0.15 and 0.2.
+
+    Against the first of --references, by default calculix-solid.
+    """
+    from harness import slenderness as study
+    from harness.figures import figure_files
+
+    cases, shown, folder = request.chosen, request.shown, request.folder
+    reference = request.against("calculix-solid")[0]
+    with progress(3 * len(cases) * len(study.RATIOS)) as done:
+        result = study.slenderness(cases, study.RATIOS, reference, max(shown), done)
+    table = study.slenderness_table(result, shown)
+    show(table)
+    files = table.files("slenderness")
+    if folder is not None:
+        files |= figure_files(study.slenderness_figure(result, shown), "slenderness")
+    write(folder, files)
+    return status({key: why for one in result.studies for key, why in one.failures.items()})
+
+
+@cli.command()
+@takes_request
 def shapes(request: Request) -> int:
     """Mode shapes, as in Figs. 4-5, beside those of --references, with the assurance matrix.
 
