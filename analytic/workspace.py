@@ -19,10 +19,12 @@ CONSTRAINTS = ("shortest limb", "longest limb", "spherical joint", "revolute joi
 STEP = math.radians(1)
 """Tilts are tried this far apart: a gap in the reachable tilts narrower than this is not seen."""
 SMALLEST = 1e-10
-"""Bisection ends here [rad]."""
+"""How closely a boundary is found [rad]."""
 NEAREST = 1e-4
 """The azimuth where a circle touches is closed in on to this [rad]; its tilt errs by the square."""
 GOLDEN = (math.sqrt(5) - 1) / 2
+BATCH = 400
+"""As many poses at once as cost little more than one."""
 FARTHEST = math.pi / 2
 """No tilt beyond this is looked for."""
 
@@ -65,8 +67,12 @@ def margins(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
     """
     flat = Pose(*(np.ravel(value) for value in (poses.z, poses.azimuth, poses.tilt)))
     result = np.full((len(flat), len(mechanism.limbs), len(CONSTRAINTS)), np.nan)
-    closed = closes(mechanism, flat)
-    limbs = limbs_at(mechanism, flat[closed])
+    closed: Any = slice(None)
+    try:
+        limbs = limbs_at(mechanism, flat)
+    except InputError:
+        closed = closes(mechanism, flat)
+        limbs = limbs_at(mechanism, flat[closed])
     inside = (
         limbs.lengths - limits.length_min,
         limits.length_max - limbs.lengths,
@@ -85,28 +91,40 @@ def reachable(mechanism: Mechanism, poses: Pose, limits: Limits) -> NDArray[np.b
 def boundary(mechanism: Mechanism, z: Any, azimuth: Any, limits: Limits) -> Floats:
     """Return the largest tilt to which every smaller one is reachable, by the polar method [rad].
 
-    `z` and `azimuth` are broadcast. From tilt 0 outwards in steps of `STEP`, then by bisection to
-    `SMALLEST`, from the inside; at most `FARTHEST`, and NaN where tilt 0 is not reachable.
+    `z` and `azimuth` are broadcast. From tilt 0 outwards in steps of `STEP`; the step that fails is
+    divided again and again, down to `SMALLEST`, and its inner end returned. At most `FARTHEST`, and
+    NaN where tilt 0 is not reachable.
     """
     rays = Pose(z, azimuth)
     shape, z, azimuth = rays.shape, np.ravel(rays.z), np.ravel(rays.azimuth)
-    low, high = np.zeros_like(z), np.full_like(z, FARTHEST)
-    level = reachable(mechanism, Pose(z, azimuth), limits)
-    going = np.flatnonzero(level)
-    for tilt in np.linspace(0, FARTHEST, 1 + math.ceil(FARTHEST / STEP))[1:]:
+    result = np.where(reachable(mechanism, Pose(z, azimuth), limits), 0.0, np.nan)
+    level = np.flatnonzero(~np.isnan(result))
+    z, azimuth = z[level, None], azimuth[level, None]
+    low, going = np.zeros(len(level)), np.arange(len(level))
+    block = max(1, BATCH // max(1, len(level)))
+    tilts = np.linspace(0, FARTHEST, 1 + math.ceil(FARTHEST / STEP))
+    for first in range(1, len(tilts), block):
+        steps = tilts[first : first + block]
+        passed = _passed(mechanism, Pose(z[going], azimuth[going], steps), limits)
+        low[going] = tilts[first - 1 + passed]
+        going = going[passed == len(steps)]
         if not going.size:
             break
-        inside = reachable(mechanism, Pose(z[going], azimuth[going], tilt), limits)
-        high[going[~inside]] = tilt
-        going = going[inside]
-        low[going] = tilt
-    ended = np.flatnonzero(level & (low < high))
-    for _ in range(math.ceil(math.log2(STEP / SMALLEST))):
-        middle = (low[ended] + high[ended]) / 2
-        inside = reachable(mechanism, Pose(z[ended], azimuth[ended], middle), limits)
-        low[ended[inside]] = middle[inside]
-        high[ended[~inside]] = middle[~inside]
-    return np.where(level, low, np.nan).reshape(shape)
+    high = np.minimum(low + STEP, FARTHEST)
+    parts = max(2, block)
+    while level.size and (high - low).max() > SMALLEST:
+        steps = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, parts + 1)
+        passed = _passed(mechanism, Pose(z, azimuth, steps[:, 1:]), limits)
+        ray = np.arange(len(low))
+        low, high = steps[ray, passed], steps[ray, np.minimum(passed + 1, parts)]
+    result[level] = low
+    return result.reshape(shape)
+
+
+def _passed(mechanism: Mechanism, poses: Pose, limits: Limits) -> NDArray[np.int64]:
+    """Return how many poses of each row (N, steps) are reachable before the first that is not."""
+    inside = reachable(mechanism, poses, limits)
+    return np.asarray(np.logical_and.accumulate(inside, axis=1).sum(axis=1))
 
 
 def inscribed(

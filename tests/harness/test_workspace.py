@@ -51,6 +51,12 @@ def solved(region: Region, grid: Grid) -> WorkspaceMap:
 
 
 @pytest.fixture
+def few_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A coarse profile, to be quick."""
+    monkeypatch.setattr("harness.workspace_map.PROFILE", 9)
+
+
+@pytest.fixture
 def invented(region: Region, grid: Grid) -> WorkspaceMap:
     """f1 round, f2 with three waves of 1 %, f3 with one; all fall with z as 1 / z."""
     shape = np.broadcast_shapes((3, 1, 1), (24, 1), (3, 1, 5))
@@ -185,6 +191,7 @@ def test_pictures_show_degrees_and_hertz(solved: WorkspaceMap, region: Region) -
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_layers")
 def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None:
     answer = rps_bench(
         "workspace", "--model", "euler-bernoulli@3", "--modes", "1,4", "--layers", "600,320",
@@ -208,6 +215,7 @@ def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("few_layers")
 def test_the_command_with_a_simulator(rps_bench: Bench, tmp_path: Path) -> None:
     answer = rps_bench(
         "workspace", "--model", "exudyn-cable@2", "--layers", "400,600", "--grid", "12x2",
