@@ -188,7 +188,9 @@ def test_a_second_sweep_into_the_same_folder_is_refused(
     output = tmp_path / "out"
     first = started(*SLOWLY, "--output", str(output))
     wait_for(log, 1)
+    first.send_signal(signal.SIGSTOP)  # so that it does not end before the second begins
     status, _, err = ended(started(*SLOWLY, "--output", str(output)))
+    first.send_signal(signal.SIGCONT)
     assert status == 2
     assert "another sweep is running into this folder" in err
     assert ended(first)[0] == 0
