@@ -78,6 +78,19 @@ def test_a_limit_is_active_on_the_boundary(azimuth: float, z: float) -> None:
     assert reachable(PAPER, Pose(z, azimuth, np.linspace(0, tilt, 500)), LIMITS).all()
 
 
+def test_the_boundary_is_the_first_one() -> None:
+    """Limb 1 shortens as it leans, then lengthens again: what lies beyond the gap is cut off."""
+    lengths = limbs_at(PAPER, Pose(0.25, 0.0, np.linspace(0, np.pi / 2, 100_001))).lengths[:, 0]
+    least = int(lengths.argmin())
+    assert 0 < least < 100_000
+    limits = Limits(lengths[least] + 1e-3, 2.0, math.pi, math.pi)
+    inside = lengths >= limits.length_min
+    first = np.linspace(0, np.pi / 2, 100_001)[inside.argmin()]
+    assert inside[-1]
+    assert boundary(PAPER, 0.25, 0.0, limits) == pytest.approx(first, abs=2e-5)
+    assert reachable(PAPER, Pose(0.25, 0.0, np.pi / 2), limits)
+
+
 @given(azimuths, azimuths, st.floats(0.25, 0.9))
 @settings(max_examples=8, deadline=None)
 def test_the_boundary_turns_with_the_frame(azimuth: float, heading: float, z: float) -> None:
