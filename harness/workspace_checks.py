@@ -171,8 +171,14 @@ def _symmetry(data: WorkspaceMap, shown: Sequence[int]) -> str:
     if max(largest.values()) < ROUNDING:
         return f"{said}: yes, to {max(largest.values()):.1e}."
     sizes = ", ".join(f"f{i} by {100 * size:.2f} %" for i, size in largest.items())
-    turn = f"A turn of {360 / limbs:g} deg changes no frequency by more than {change:.1e}"
-    return f"{said}: only nearly. {turn}, but round a circle of one tilt they vary: up to {sizes}."
+    vary = f"round a circle of one tilt they vary: up to {sizes}"
+    turn = f"{360 / limbs:g}"
+    if change > ROUNDING:
+        return f"{said}: no. A turn of {turn} deg changes frequencies by {change:.1e}; {vary}."
+    return (
+        f"{said}: only {turn}-degree periodic. That turn changes no frequency by more than "
+        f"{change:.1e}, but {vary}."
+    )
 
 
 def _height(data: WorkspaceMap, shown: Sequence[int]) -> str:

@@ -1,5 +1,6 @@
 """Pictures of the regular workspace and of the frequencies in it: Fig. 6."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,6 +22,7 @@ Floats = NDArray[np.float64]
 
 COLOUR_MAP = "viridis"
 LEVELS = 10
+WIDE = 3  # panels side by side
 
 
 def region_figure(region: Region, grid: Grid) -> Figure:
@@ -100,9 +102,10 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
 
     The frequency's axis is logarithmic, so that equal shapes are equal relative changes.
     """
-    figure = Figure(figsize=(5.6 * len(shown), 6.4), layout="constrained")
+    columns, rows = min(WIDE, len(shown)), math.ceil(len(shown) / WIDE)
+    figure = Figure(figsize=(5.6 * columns, 0.3 + 6.1 * rows), layout="constrained")
     for panel, i in enumerate(shown, 1):
-        axes: Any = figure.add_subplot(1, len(shown), panel, projection="3d", computed_zorder=False)
+        axes: Any = figure.add_subplot(rows, columns, panel, projection="3d", computed_zorder=False)
         values = data.frequencies[..., i - 1]
         scale = LogNorm(np.nanmin(values), np.nanmax(values))
         order = np.argsort(np.nanmean(values, axis=(1, 2)))  # the farthest down are drawn first
@@ -143,11 +146,14 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
 
 def ripple_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
     """Return how far from circularly symmetric each mode is: ripple against tilt, by layer."""
-    figure = Figure(figsize=(1 + 3.6 * len(shown), 3.8), layout="constrained")
-    panels = figure.subplots(1, len(shown), squeeze=False, sharey=True)[0]
+    columns, rows = min(WIDE, len(shown)), math.ceil(len(shown) / WIDE)
+    figure = Figure(figsize=(1 + 3.6 * columns, 0.4 + 3.4 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
     colours = mpl.colormaps[COLOUR_MAP](np.linspace(0.0, 0.9, len(data.grid.z)))
     wave = 100 * ripple(data)
-    for axes, i in zip(panels, shown, strict=True):
+    for axes in panels.flat[len(shown) :]:
+        axes.remove()
+    for axes, i in zip(panels.flat, shown, strict=False):
         for k, colour in enumerate(colours):
             tilt = np.degrees(data.grid.tilt[k])
             label = f"{1000 * data.grid.z[k]:.0f} mm"
@@ -155,8 +161,9 @@ def ripple_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
         axes.set_title(f"$f_{{{i}}}$", fontsize=11)
         axes.set_xlabel(r"tilt $\theta$ [deg]")
         axes.grid(alpha=0.25)
-    panels[0].set_ylabel("(max - min) / mean over azimuth [%]")
-    panels[0].legend(fontsize=8, title="height $z$", title_fontsize=8)
+    for row in panels:
+        row[0].set_ylabel("(max - min) / mean over azimuth [%]")
+    panels[0, 0].legend(fontsize=8, title="height $z$", title_fontsize=8)
     figure.suptitle(f"{data.spec.label}: ripple round circles of one tilt", fontsize=11)
     return figure
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Limits, Mechanism, Pose, RegularWorkspace, condensed_frequencies
+from analytic import Limits, Mechanism, Pose, RegularWorkspace
 from analytic.workspace import CONSTRAINTS, heights, inscribed, margins
-from harness.models import Spec
+from harness.models import Spec, batch_solver
 from reference_models import ModelError
 
 Floats = NDArray[np.float64]
@@ -151,10 +151,9 @@ def map_frequencies(
     spec: Spec, mechanism: Mechanism, poses: Pose, count: int, done: Done = lambda _: None
 ) -> tuple[Floats, Failures]:
     """Return frequencies (len(poses), count) [Hz], NaN where the model failed, and why it did."""
-    if spec.analytic:
-        theory: dict[str, Any] = {"beam": spec.name, "shear": spec.shear}
-        elements = spec.elements if isinstance(spec.elements, int) else None
-        return condensed_frequencies(mechanism, poses, elements, count=count, **theory), {}
+    solve = batch_solver(spec)
+    if solve is not None:
+        return solve(mechanism, poses, count), {}
     model, failures = spec.build(), {}
     frequencies = np.full((len(poses), count), np.nan)
     for row, pose in zip(frequencies, poses, strict=True):

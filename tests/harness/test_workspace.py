@@ -102,7 +102,7 @@ def test_what_the_paper_says_of_fig_6(solved: WorkspaceMap) -> None:
     assert checked.sum() == 6 * (1 + 24 * 3)
     assert np.nanmax(change) < -0.3
     symmetry, height = verdicts(solved.region, solved, range(1, 7))[1:]
-    assert '"Circularly symmetrical": only nearly. A turn of 120 deg changes no' in symmetry
+    assert '"Circularly symmetrical": only 120-degree periodic. That turn changes no' in symmetry
     assert height.endswith("yes, in all 732 steps of 438 columns of poses.")
 
 
@@ -118,6 +118,7 @@ def test_ripple_and_turns_of_known_waves(invented: WorkspaceMap) -> None:
     row = symmetry_table(invented, [1, 2, 3]).rows[1]
     assert str(row[1]) == "2.000"
     assert '"Circularly symmetrical": yes' in verdicts(invented.region, invented, [1])[1]
+    assert ": no. A turn of 120 deg changes" in verdicts(invented.region, invented, [1, 3])[1]
 
 
 def test_a_rise_is_named(invented: WorkspaceMap) -> None:
@@ -199,7 +200,7 @@ def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None
     )  # fmt: skip
     assert answer.status == 0, answer.err
     assert "spherical joints 40 deg" in answer.out
-    assert '- "Circularly symmetrical": only nearly.' in answer.out
+    assert '- "Circularly symmetrical": only 120-degree periodic.' in answer.out
     assert '- "The increased platform height decreases the natural frequency": yes' in answer.out
     names = {path.name for path in tmp_path.iterdir()}
     pictures = {f"{stem}.{form}" for stem in ("workspace", "contours", "surfaces", "ripple")
