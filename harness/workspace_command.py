@@ -172,7 +172,8 @@ def _layers(text: str, region: Region) -> NDArray[np.float64]:
 
 
 def _warn(spec: Spec, region: Region, z: NDArray[np.float64], count: int, total: int) -> None:
-    """Say how long a simulator will take, by the time of its first pose."""
+    """Say how long a simulator will take, by its second pose: the first one loads it."""
+    map_frequencies(spec, region.mechanism, Pose(z[:1]), count)
     start = time.perf_counter()
     map_frequencies(spec, region.mechanism, Pose(z[:1]), count)
     seconds = time.perf_counter() - start
