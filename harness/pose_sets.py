@@ -27,6 +27,8 @@ FORMS = (
 )
 RANGES = {"z": (350.0, 700.0), "azimuth": (0.0, 360.0), "tilt": (0.0, 20.0)}  # mm, deg
 MOST = 1_000_000_000
+BLOCK = 10_000
+"""Poses drawn and checked at a time, so that memory holds little more than the set."""
 LAYERS = 41
 """Layers of the regular workspace; in between its radius is linear."""
 
@@ -56,8 +58,8 @@ def pose_set(text: str, mechanism: Mechanism) -> Pose:
         poses = _file(Path(text))
     else:
         raise InputError(OPTION, text, FORMS)
-    for start in range(0, len(poses), 10_000):
-        position(mechanism, poses[start : start + 10_000])
+    for start in range(0, len(poses), BLOCK):
+        position(mechanism, poses[start : start + BLOCK])
     return poses
 
 
@@ -82,8 +84,13 @@ def _random(text: str, rest: str) -> Pose:
     count, seed, ranges = _drawn(text, rest, ranges=True)
     low, high = (np.array([limits[k] for limits in ranges.values()]) for k in (0, 1))
     # A pose's numbers are drawn together: a longer set begins with the shorter one.
-    drawn = low + (high - low) * np.random.default_rng(seed).random((count, 3))
-    return _scaled(*drawn.T)
+    generator, drawn = np.random.default_rng(seed), np.empty((3, count))
+    for start in range(0, count, BLOCK):
+        some = drawn[:, start : start + BLOCK]
+        some[:] = (low + (high - low) * generator.random((some.shape[1], 3))).T
+    drawn[0] /= 1000
+    np.radians(drawn[1:], out=drawn[1:])
+    return Pose(*drawn)
 
 
 def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tuple[float, float]]]:

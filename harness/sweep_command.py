@@ -113,20 +113,23 @@ def sweep(
     same = "".join(f" --{k} {shlex.quote(v)}" for k, v, usual in given if v and v != usual)
 
     dry = dry_run and not (output and (Path(output) / NAME).exists())
-    with _folder(None if dry else output) as folder, Journal(folder) as journal:
-        with engine(at_once, scheduler, patience) as cluster:
-            if dry_run:
-                show(_dry_run(study, journal, cluster))
-                return 0
-            with _progress(study) as tell:
-                failures = complete(study, journal, cluster, tell)
-            written = [export(study, journal, shown, folder, form)]
-            tables = {"timing": timing_table(study, journal)}
-            if reference is not None:
-                gathered = compare(study, journal, reference, shown, folder, form)
-                written.append(folder / f"errors.{form}")
-                tables["errors"] = error_table(gathered, reference)
-                tables["worst"] = worst_table(study, gathered, reference, cluster, same)
+    with (
+        engine(at_once, scheduler, patience) as cluster,
+        _folder(None if dry else output) as folder,
+        Journal(folder) as journal,
+    ):
+        if dry_run:
+            show(_dry_run(study, journal, cluster))
+            return 0
+        with _progress(study) as tell:
+            failures = complete(study, journal, cluster, tell)
+        written = [export(study, journal, shown, folder, form)]
+        tables = {"timing": timing_table(study, journal)}
+        if reference is not None:
+            gathered = compare(study, journal, reference, shown, folder, form)
+            written.append(folder / f"errors.{form}")
+            tables["errors"] = error_table(gathered, reference)
+            tables["worst"] = worst_table(study, gathered, reference, cluster, same)
         tables["failures"] = failure_table(failures)
         if not failures:
             show(*(table for name, table in tables.items() if name != "failures"))

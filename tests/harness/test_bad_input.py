@@ -40,6 +40,8 @@ STEEL = Material(200e9, 77e9, 7820)
 DISC = Platform.disc(0.2, 0.02, 7820)
 ROD = Rod(STEEL, 0.1)
 
+SWEEP = ["sweep", "--models", "rayleigh@1", "--poses", "pose:490,0,0"]
+
 # What is typed, and what the sentence must name: argument, value, expectation.
 COMMANDS = [
     (["table", "--cases", "case9"], "--cases", "'case9'", "case1"),
@@ -101,6 +103,19 @@ COMMANDS = [
     (["workspace", "--shear", "big"], "--shear", "'big'", "cowper"),
     (["tabel"], "tabel", "", "No such command"),
     (["table", "--cases"], "--cases", "", "requires an argument"),
+    ([*SWEEP[:3], "--poses", "all"], "--poses", "'all'", "random:N"),
+    ([*SWEEP[:3], "--poses", "random:0"], "--poses", "'random:0'", "N above 0"),
+    ([*SWEEP[:3], "--poses", "grid:tilt=3"], "--poses", "'grid:tilt=3'", "heights"),
+    ([*SWEEP[:3], "--poses", "pose:490,nan,0"], "--poses", "nan", "mm and degrees"),
+    ([*SWEEP[:3], "--poses", "absent.csv"], "--poses", "'absent.csv'", "No such file"),
+    (["sweep", *SWEEP[3:], "--models", "ansys"], "--models", "'ansys'", "exudyn-beam"),
+    ([*SWEEP, "--against", "rayleigh@1"], "--against", "'rayleigh@1'", "not the only one"),
+    ([*SWEEP, "--modes", "0"], "--modes", "'0'", "whole numbers"),
+    ([*SWEEP, "--format", "xls"], "--format", "'xls'", "parquet or csv"),
+    ([*SWEEP, "--cores", "0"], "--cores", "'0'", "from 1"),
+    ([*SWEEP, "--tries", "x"], "--tries", "'x'", "from 1"),
+    ([*SWEEP, "--time-limit", "-1"], "--time-limit", "-1", "positive"),
+    ([*SWEEP, "--output", ""], "--output", "''", "folder"),
 ]
 
 CASE_FILES = [
