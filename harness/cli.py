@@ -14,6 +14,7 @@ from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.files import OutputError, write_all
+from harness.models import MADE_FROM, SOLID_LIMB
 from harness.options import (
     STAND_IN,
     CostRequest,
@@ -27,6 +28,7 @@ from harness.tables import Cell, Number, Table
 from harness.terminal import progress, show, status, write
 from harness.workspace_command import workspace
 from reference_models import UnavailableError, catalogue
+from reference_models.protocol import find
 
 
 def main() -> None:
@@ -236,7 +238,8 @@ def models() -> None:
         (name, theory, f"rps-bench {__version__}", "yes", "@S elements, or @exact without any")
         for name, theory in BEAMS.items()
     ]
-    for name, info in catalogue():
+    described = {SOLID_LIMB: find(MADE_FROM).info(), **dict(catalogue())}
+    for name, info in described.items():
         here = f"no: {info.missing}" if info.missing else "yes"
         rows.append((name, info.theory, f"{info.program} {info.version}", here, info.remark))
     columns = ("Model", "Theory", "Version", "Available", "Remarks")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from analytic.pairing import Pairing
 from harness import published
 from harness.cases import Case
-from harness.models import Spec
+from harness.models import MADE_FROM, SOLID_LIMB, Spec
 from harness.run import Study
 from harness.tables import Cell, Number, Table
 
@@ -56,6 +56,8 @@ def table_one(
                     rows.append((case.name, "FEA's own uncertainty (%)", *_numbers(own, pick, 4)))
                 notes += pairing_notes(case, theory, reference, pairing, pick)
             rows += _printed(case, theory, ours.frequencies, pick)
+    if any(reference.name == SOLID_LIMB for reference in references):
+        notes.append(f"{SOLID_LIMB}: uncertainty of interpolation only; its mesh is {MADE_FROM}'s")
     notes += case_notes(study.cases) + failure_notes(study)
     columns = ("Case", "Method", *(f"f{i} [Hz]" for i in shown))
     return Table("Table I: natural frequencies", columns, tuple(rows), tuple(dict.fromkeys(notes)))

@@ -11,6 +11,7 @@ import pytest
 import scipy.linalg
 
 from analytic import (
+    Continuum,
     InputError,
     Limb,
     Material,
@@ -30,7 +31,7 @@ pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rp
 
 from reference_models import ngsolve_mesh, ngsolve_solid
 from reference_models.ngsolve_mesh import solid_rod
-from reference_models.ngsolve_solid import NgsolveSolid, held_rods, lowest
+from reference_models.ngsolve_solid import NgsolveAveraged, NgsolveSolid, held_rods, lowest
 from reference_models.solid_faces import hold
 from reference_models.solid_reduction import PARTS, spectrum, statics
 from reference_models.solid_rod import FAMILIES, SLENDERNESS
@@ -289,3 +290,20 @@ def test_a_pose_out_of_the_joints_reach_is_refused(robot: Mechanism) -> None:
     skewed = Limb(first.base, (1.0, 1.0, 0.0), first.platform_point, first.rod)
     with pytest.raises(InputError, match="revolute joint's plane"):
         NgsolveSolid(1).modes(replace(robot, limbs=(skewed, *robot.limbs[1:])), Pose(0.49, 0, 0.2))
+
+
+def test_slender_rods_converge_too(robot: Mechanism, case1: Pose) -> None:
+    """Modes 60 times apart: rounding of the lowest must not look like the highest's error."""
+    thin = Rod(robot.limbs[0].rod.material, 0.02)
+    limbs = tuple(replace(limb, rod=thin) for limb in robot.limbs)
+    slender = Mechanism(limbs, robot.platform)
+    found = NgsolveSolid(2).modes(slender, case1, 10).frequencies
+    exact = Continuum("timoshenko").modes(slender, case1, 10).frequencies
+    np.testing.assert_allclose(found[:6], exact[:6], rtol=5e-3)  # the mesh is stretched fivefold
+
+
+def test_averaged_faces_have_a_name_of_their_own() -> None:
+    averaged = reference("ngsolve-averaged", elements=2)
+    assert averaged == NgsolveAveraged(2) and averaged.faces == "averaged"
+    assert "averaged end faces" in NgsolveAveraged.info().theory
+    assert "rigid end faces" in NgsolveSolid.info().theory
