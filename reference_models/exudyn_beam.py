@@ -11,7 +11,14 @@ from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pose import Pose
 from analytic.theory import Theory
-from reference_models.exudyn_system import Axis, Line, add_rigid_nodes, describe, run
+from reference_models.exudyn_system import (
+    Axis,
+    Line,
+    add_rigid_nodes,
+    along_elements,
+    describe,
+    run,
+)
 from reference_models.protocol import Info
 
 NAME = "exudyn-beam"
@@ -79,4 +86,5 @@ class ExudynBeam:
             items.GenericJoint(markerNumbers=[fixed, first], constrainedAxes=[1, 1, 1, 1, 0, 1])
         )
         last = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
-        return Line(elements, -size / 2, (fixed, first), last)
+        velocities = along_elements(exu, mbs, axis, elements, -size / 2)
+        return Line(velocities, (fixed, first), last)

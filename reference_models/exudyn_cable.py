@@ -10,7 +10,14 @@ from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.exudyn_system import Axis, Line, add_spherical, describe, run
+from reference_models.exudyn_system import (
+    Axis,
+    Line,
+    add_spherical,
+    along_elements,
+    describe,
+    run,
+)
 from reference_models.protocol import Info
 
 NAME = "exudyn-cable"
@@ -80,4 +87,4 @@ class ExudynCable:
                 offset=[0.0],
             )
         )
-        return Line(elements, 0.0, joint, last)
+        return Line(along_elements(exu, mbs, axis, elements, 0.0), joint, last)

@@ -1,4 +1,4 @@
-"""What both Exudyn models share: one silent system, its rigid platform and joints, its modes.
+"""What all Exudyn models share: one silent system, its rigid platform and joints, its modes.
 
 The modes come from Exudyn's own assembled M, K and constraint Jacobian, and their shapes from
 Exudyn's own kinematics: a mode loaded as a velocity moves the platform and the centre lines.
@@ -45,13 +45,13 @@ class Axis:
 
 @dataclass(frozen=True)
 class Line:
-    """One rod in Exudyn: its elements, the local coordinate of an element's start [m], its ends.
+    """One rod in Exudyn.
 
-    `joint` is the revolute joint's pair of markers, `tip` the marker at A_i.
+    `velocities` returns those of its centre line at `STATIONS`, (11, 3), in the system's present
+    state; `joint` is the revolute joint's pair of markers, `tip` the marker at A_i.
     """
 
-    elements: list[int]
-    start: float
+    velocities: Callable[[], Array]
     joint: tuple[int, int]
     tip: int
 
@@ -60,7 +60,7 @@ AddRod = Callable[[Any, Any, Axis], Line]
 """Adds one rod and its revolute joint to (exudyn, system), and says what it added."""
 
 
-def describe(theory: str, order: int, refinements: tuple[int, int], remark: str) -> Info:
+def describe(theory: str, order: float, refinements: tuple[int, int], remark: str) -> Info:
     """Return what is known of a model on Exudyn; it is there only if it can be imported."""
     try:
         version, missing = str(load().__version__), ""
@@ -132,7 +132,7 @@ def run(
         built = time.perf_counter()
         frequencies, q, free = constrained_modes(K, M, J.T, count)
         solved = time.perf_counter()
-        platform, limbs = read_shapes(exu, mbs, q, node, lines, axes)
+        platform, limbs = read_shapes(exu, mbs, q, node, lines)
     return Modes(
         frequencies=frequencies,
         platform=platform,
@@ -196,24 +196,23 @@ def largest_gap(exu: Any, mbs: Any, joints: list[tuple[int, int]]) -> float:
     return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
 
 
-def read_shapes(
-    exu: Any, mbs: Any, q: Array, node: int, lines: list[Line], axes: list[Axis]
-) -> tuple[Array, Array]:
+def along_elements(
+    exu: Any, mbs: Any, axis: Axis, elements: list[int], start: float
+) -> Callable[[], Array]:
+    """Return `Line.velocities` of equal elements whose local coordinate begins at `start` [m]."""
+    velocity, s = exu.OutputVariableType.Velocity, len(elements)
+    which = np.minimum((STATIONS * s).astype(int), s - 1)
+    local = start + (STATIONS * s - which) * axis.length / s
+    places = [(elements[e], [x, 0.0, 0.0]) for e, x in zip(which, local, strict=True)]
+    return lambda: np.array([mbs.GetObjectOutputBody(e, velocity, at) for e, at in places])
+
+
+def read_shapes(exu: Any, mbs: Any, q: Array, node: int, lines: list[Line]) -> tuple[Array, Array]:
     """Return the platform's (m, 6) and the centre lines' (m, n, 11, 3) motion in modes q (N, m)."""
     velocity, spin = exu.OutputVariableType.Velocity, exu.OutputVariableType.AngularVelocity
-    stations = []
-    for line, axis in zip(lines, axes, strict=True):
-        s = len(line.elements)
-        which = np.minimum((STATIONS * s).astype(int), s - 1)
-        local = line.start + (STATIONS * s - which) * axis.length / s
-        stations.append(
-            [(line.elements[e], [x, 0.0, 0.0]) for e, x in zip(which, local, strict=True)]
-        )
     platform, limbs = [], []
     for mode in q.T:
         mbs.systemData.SetODE2Coordinates_t(mode)
         platform.append(np.r_[mbs.GetNodeOutput(node, velocity), mbs.GetNodeOutput(node, spin)])
-        limbs.append(
-            [[mbs.GetObjectOutputBody(e, velocity, at) for e, at in rod] for rod in stations]
-        )
+        limbs.append([line.velocities() for line in lines])
     return np.array(platform), np.array(limbs)

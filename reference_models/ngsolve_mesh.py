@@ -40,11 +40,16 @@ def solid_rod(poisson: float, elements: int, order: int) -> SolidRod:
 
     The rims, where a clamped face makes the stress singular, are meshed `RIM` times finer.
     """
+    return quarter(poisson, elements, order)[1]
+
+
+def quarter(poisson: float, elements: int, order: int) -> tuple[Any, SolidRod]:
+    """Return NGSolve's mesh of `solid_rod` with it."""
     ng = load()
     ng.SetNumThreads(1)
     try:
         mesh = _mesh(ng, elements, order)
-        return _matrices(ng, mesh, poisson, order)
+        return mesh, _matrices(ng, mesh, poisson, order)
     except Exception as error:  # netgen raises whatever its C++ throws
         raise ModelError(f"ngsolve-solid: {error}") from error
 
@@ -96,7 +101,7 @@ def _matrices(ng: Any, mesh: Any, poisson: float, order: int) -> SolidRod:
     return SolidRod(
         stiffness=(A, B, C),
         mass=M,
-        fields=np.array([_coefficients(ng, scalar, f) for f in functions]),
+        fields=np.array([coefficients(ng, scalar, f) for f in functions]),
         on={
             name: np.array(scalar.GetDofs(mesh.Boundaries(name)), dtype=bool)
             for name in ("base", "tip", "x0", "y0")
@@ -115,7 +120,7 @@ def _sparse(matrix: Any) -> sp.csr_array:
     return sp.csr_array((found + found.T) / 2)
 
 
-def _coefficients(ng: Any, space: Any, function: Any) -> Array:
+def coefficients(ng: Any, space: Any, function: Any) -> Array:
     """Return the coefficients of a function that the curved elements hold exactly."""
     part = ng.GridFunction(space)
     part.Set(function)
