@@ -1,9 +1,13 @@
 """Natural frequencies of thousands of poses a call, at a cost that no element count enters."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import torsion_eigenvalues
+from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kernel import compiled
 from analytic.mechanism import Mechanism
@@ -12,6 +16,8 @@ from analytic.pose import Pose
 from analytic.reduced import Constants, Floats, Reduced, constants, geometry, reduced
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic
+
+Loop = Callable[..., Any]
 
 CHUNK = 500
 """Poses solved at once: what fits into the processor's cache."""
@@ -23,6 +29,8 @@ BESIDE = 1e-8
 """How far from the last root, relative in omega^2, modes are counted."""
 GRADED = 1e-6
 """An eigenvalue below this part of the largest has lost too many digits for 1e-9."""
+WORTHWHILE = 200_000
+"""Poses from which on the compiled loop repays the seconds that it takes to load."""
 LEVELS = 6
 """Most limb modes a bending direction before a pose is left to certified bisection."""
 
@@ -35,13 +43,17 @@ def condensed_frequencies(
     beam: str = "euler-bernoulli",
     shear: str | float = "cowper",
     count: int = 6,
+    fast: bool | None = None,
 ) -> NDArray[np.float64]:
     """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).
 
     Those of `Substructure(elements, beam, shear)`, or of `Continuum(beam, shear)` where `elements`
     is None, to 1e-9. Every pose is checked by the Wittrick-Williams count of the exact limbs; one
     that fails is solved by certified bisection. Memory does not grow with the number of poses.
-    Raises `InputError` for a pose out of reach, or more modes than the model has.
+    `fast`: use the compiled loop (numba, the extra `fast`), which takes seconds to load and then
+    half the time a pose; by default where it is installed and the poses are enough to repay that.
+    Raises `InputError` for a pose out of reach, more modes than the model has, or `fast` without
+    numba.
     """
     theory = Theory(beam, shear)
     available = 10_000
@@ -50,6 +62,7 @@ def condensed_frequencies(
     count = check_count(count, available)
     known = constants(mechanism, theory)
     size = int(np.prod(poses.shape))
+    loop = _loop(size, fast)
     result = np.empty((size, count))
     for first in range(0, size, CHUNK):
         some = poses
@@ -57,12 +70,27 @@ def condensed_frequencies(
             rows = slice(first, first + CHUNK)
             some = Pose(*(np.ravel(x)[rows] for x in (poses.z, poses.azimuth, poses.tilt)))
         lengths, vectors = geometry(known, mechanism, some)
-        result[first : first + CHUNK] = _chunk(known, lengths, vectors, elements, count)
+        result[first : first + CHUNK] = _chunk(known, lengths, vectors, elements, count, loop)
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
 
 
+def _loop(size: int, fast: bool | None) -> Loop | None:
+    """Return the compiled loop where it is asked for, or worth its loading."""
+    if fast is False or (fast is None and size < WORTHWHILE):
+        return None
+    loop = compiled()
+    if loop is None and fast:
+        raise InputError("fast", fast, "numba to be installed: pip install 'rps-bench[fast]'")
+    return loop
+
+
 def _chunk(
-    known: Constants, lengths: Floats, vectors: Floats, elements: int | None, count: int
+    known: Constants,
+    lengths: Floats,
+    vectors: Floats,
+    elements: int | None,
+    count: int,
+    loop: Loop | None,
 ) -> Floats:
     """Return the lowest omega^2 (N, count), torsion of the limbs among them."""
     n = lengths.shape[1]
@@ -76,7 +104,7 @@ def _chunk(
             break
         if 6 + problem.poles.shape[1] < coupled:
             continue
-        found, good = _solve(problem, coupled)
+        found, good = _solve(problem, coupled, loop)
         values[left[good]] = found[good]
         left = left[~good]
         if not left.size:
@@ -91,11 +119,10 @@ def _chunk(
     return np.sort(np.concatenate([values, torsion], axis=1), axis=1)[:, :count]
 
 
-def _solve(problem: Reduced, count: int) -> tuple[Floats, NDArray[np.bool_]]:
+def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:
     """Return omega^2 (N, count), and where they are certain to be the lowest, (N,)."""
     N = len(problem.lengths)
-    fast = compiled()
-    if fast is None:
+    if loop is None:
         P, slope = problem.chord()
         start, motion = problem.pencil(P, slope)
         found, settled = corrected(problem, P, slope, start, motion, count)
@@ -104,7 +131,7 @@ def _solve(problem: Reduced, count: int) -> tuple[Floats, NDArray[np.bool_]]:
         start, found = np.empty((N, 6 + problem.poles.shape[1])), np.empty((N, count))
         settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
         arrays = (problem.poles, problem.residues, problem.owner, problem.powers, problem.caps)
-        fast(problem.vectors, *arrays, CONVERGED, BESIDE, start, found, settled, below)
+        loop(problem.vectors, *arrays, CONVERGED, BESIDE, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
     inside &= found[:, 0] > GRADED * start[:, -1]

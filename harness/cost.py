@@ -22,6 +22,7 @@ from analytic import (
     Substructure,
     condensed_frequencies,
 )
+from analytic.kernel import compiled
 from harness.cases import PRESETS, Case
 from harness.models import PAPER_ELEMENTS, parse
 from reference_models import ModelError, UnavailableError, reference
@@ -187,8 +188,11 @@ def _element_jobs(
         "multipliers, saddle-point": lambda s: partial(
             Multipliers(s, solver="saddle-point").modes, robot, pose, COUNT
         ),
-        "condensed": lambda s: partial(condensed_frequencies, robot, pose, elements=s, count=COUNT),
     }
+    for label, fast in _loops():
+        kinds[label] = lambda s, fast=fast: partial(  # type: ignore[misc]
+            condensed_frequencies, robot, pose, s, count=COUNT, fast=fast
+        )
     for name in references:
         kinds[name] = lambda s, name=name: partial(reference(name, s).modes, robot, pose, COUNT)  # type: ignore[misc]
     jobs = []
@@ -197,8 +201,10 @@ def _element_jobs(
             try:
                 jobs.append(Job(model, s, build(s), growing=True))
             except InputError as error:
-                left_out[model] = f"not below s={s + 1} ({error}); "
-    jobs.append(Job("condensed", None, partial(condensed_frequencies, robot, pose, count=COUNT)))
+                left_out[model] = f"not at s={s} ({error}); "
+    for label, fast in _loops():
+        run = partial(condensed_frequencies, robot, pose, count=COUNT, fast=fast)
+        jobs.append(Job(label, None, run))
     jobs.append(Job("continuum", None, partial(Continuum().modes, robot, pose, COUNT)))
     return jobs
 
@@ -215,14 +221,21 @@ def _stand_in_jobs(case: Case, references: Sequence[str]) -> list[Job]:
 def _batch_jobs(case: Case, elements: Sequence[int], batches: Sequence[int]) -> list[Job]:
     """Return `condensed_frequencies` at random poses: fewest and most elements, and none."""
     jobs = []
-    for s in dict.fromkeys((elements[0], elements[-1], None)):
-        label = "condensed, exact" if s is None else f"condensed, s={s}"
-        for size in batches:
-            run = partial(
-                condensed_frequencies, case.mechanism, random_poses(size), elements=s, count=COUNT
-            )
-            jobs.append(Job(label, size, run, poses=size))
+    for name, fast in _loops():
+        for s in dict.fromkeys((elements[0], elements[-1], None)):
+            label = f"{name}, exact" if s is None else f"{name}, s={s}"
+            for size in batches:
+                poses = random_poses(size)
+                run = partial(
+                    condensed_frequencies, case.mechanism, poses, s, count=COUNT, fast=fast
+                )
+                jobs.append(Job(label, size, run, poses=size))
     return jobs
+
+
+def _loops() -> list[tuple[str, bool]]:
+    """Return the names of the condensed model's loops that can run here, and how to ask."""
+    return [("condensed", False)] + ([("condensed, compiled", True)] if compiled() else [])
 
 
 def random_poses(count: int) -> Pose:

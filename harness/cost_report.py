@@ -162,9 +162,9 @@ def _ends(sizes: Sequence[int | None]) -> tuple[int, int]:
 
 
 def _circumstances(cost: Cost) -> tuple[str, ...]:
-    kernel = "compiled (numba)" if compiled() else "plain numpy"
+    loop = "condensed, compiled: by numba" if compiled() else "numba is not installed"
     return (
-        f"condensed: {kernel}",
+        f"condensed: plain numpy; {loop}",
         f"{PRESETS['case2'].name}, {cost.repeats} rounds of everything (3 of what takes over a "
         f"second), one BLAS thread, numpy {np.__version__}, scipy {scipy.__version__}",
     )

@@ -1,11 +1,9 @@
 """A job: one model at one block of poses; its content hash, and the work itself."""
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
 from typing import Protocol
 
@@ -15,7 +13,7 @@ from numpy.typing import NDArray
 from analytic import Mechanism, Pose, __version__, condensed_frequencies
 from analytic.condensed import CHUNK
 from analytic.theory import Theory
-from harness.models import Model, Spec
+from harness.models import MADE_FROM, SOLID_LIMB, Model, Spec
 from reference_models import ModelError
 from reference_models.protocol import find
 
@@ -130,12 +128,9 @@ def jobs(
 def version_of(spec: Spec) -> str:
     """Return the versions of what computes `spec` here."""
     if not spec.analytic:
-        info = find(spec.name).info()
+        info = find(MADE_FROM if spec.name == SOLID_LIMB else spec.name).info()
         return f"{info.program} {info.version}"
-    programs = [f"rps-bench {__version__}", f"numpy {np.__version__}"]
-    with suppress(PackageNotFoundError):  # where it is missing the last bits differ
-        programs.append(f"numba {version('numba')}")
-    return ", ".join(programs)
+    return f"rps-bench {__version__}, numpy {np.__version__}"
 
 
 @lru_cache(maxsize=64)
@@ -148,11 +143,18 @@ def _batch(job: Job) -> Answer:
     spec = job.spec
     assert not isinstance(spec.elements, tuple), "only simulators are extrapolated"
     began = perf_counter()
+    # Never compiled: a process would load the loop for longer than a block of poses takes.
+    theory = Theory(spec.name, spec.shear)
     found = condensed_frequencies(
-        job.mechanism, job.poses, spec.elements, beam=spec.name, shear=spec.shear, count=job.count
+        job.mechanism,
+        job.poses,
+        spec.elements,
+        beam=spec.name,
+        shear=spec.shear,
+        count=job.count,
+        fast=False,
     )
     seconds = perf_counter() - began
-    theory = Theory(spec.name, spec.shear)
     names = sorted({theory.label(limb.rod.material) for limb in job.mechanism.limbs})
     limbs = len(job.mechanism.limbs)
     dofs = 0 if spec.elements is None else 6 + limbs * (6 * spec.elements - 2)

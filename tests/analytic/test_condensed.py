@@ -26,10 +26,10 @@ STEEL = Material(200e9, 77e9, 7820)
 @pytest.fixture(params=["numpy", "compiled"], autouse=True)
 def route(request, monkeypatch):
     """Everything holds for plain numpy and, where numba is installed, for the compiled loop."""
-    if request.param == "numpy":
-        monkeypatch.setattr(condensed, "compiled", lambda: None)
-    elif compiled() is None:
-        pytest.skip("numba is not installed")
+    if request.param == "compiled":
+        if compiled() is None:
+            pytest.skip("numba is not installed: pip install 'rps-bench[fast]'")
+        monkeypatch.setattr(condensed, "WORTHWHILE", 0)
     return request.param
 
 
@@ -162,3 +162,13 @@ def test_ten_thousand_poses_keep_their_counts(robot, workspace_poses, elements):
     some = np.arange(0, 10_000, 500)
     expected = one_by_one(robot, poses[some], elements, "timoshenko", "cowper")
     np.testing.assert_allclose(found[some], expected, rtol=1e-9)
+
+
+def test_the_compiled_loop_is_asked_for_or_worth_it(robot, case1, monkeypatch):
+    monkeypatch.setattr(condensed, "compiled", lambda: None)
+    with pytest.raises(InputError, match=r"fast = True: expected numba to be installed"):
+        condensed_frequencies(robot, case1, fast=True)
+    monkeypatch.setattr(condensed, "WORTHWHILE", 2)
+    monkeypatch.setattr(condensed, "compiled", lambda: pytest.fail("loaded for too few poses"))
+    condensed_frequencies(robot, case1)
+    condensed_frequencies(robot, Pose(np.full(3, 0.5)), fast=False)
