@@ -210,7 +210,7 @@ def cost_figure(cost: Cost) -> Figure:
         number = k if ours else simulators
         simulators += not ours
         _curve(left, [t for t in cost.elements if t.model == name and t.size], number, name, style)
-    for timing, dots in zip(exact, (":", "-."), strict=False):
+    for timing, dots in zip(exact, (":", "-.", "--"), strict=False):
         level, label = float(np.median(timing.ratios)), f"{timing.model}, exact"
         left.axhline(level, color="0.3", ls=dots, lw=1.2, label=label)
     left.set_xlabel("number of elements $s$")
