@@ -18,6 +18,7 @@ from harness.figures import COLOURS, MARKERS, figure_files
 from harness.models import PAPER_ELEMENTS
 from harness.tables import Cell, Number, Table
 
+MANY_MARKERS = (*MARKERS, "P", "X", "<", ">", "*", "p")
 LARGE = 8
 """From this s on, growth is fitted a second time: below it, what does not grow dominates."""
 DENSE = "substructure, dense"
@@ -205,7 +206,7 @@ def cost_figure(cost: Cost) -> Figure:
     exact = [timing for timing in cost.elements if timing.size is None]
     names = dict.fromkeys(timing.model for timing in cost.elements if timing.size is not None)
     for k, name in enumerate(names):
-        ours = name in (DENSE, "substructure, sparse", *TRADITIONAL, "condensed")
+        ours = name.startswith(("substructure", "multipliers", "condensed"))
         style: dict[str, Any] = {"ls": "-"} if ours else {"ls": "--", "mfc": "none"}
         number = k if ours else simulators
         simulators += not ours
@@ -239,10 +240,8 @@ def _curve(
     low, middle, high = (
         np.array([np.percentile(timing.ratios, q) for timing in timings]) for q in (25, 50, 75)
     )
-    colour = COLOURS[k % len(COLOURS)]
-    axes.plot(
-        sizes, middle, color=colour, marker=MARKERS[k % 6], ms=5, lw=1.2, label=label, **style
-    )
+    colour, marker = COLOURS[k % len(COLOURS)], MANY_MARKERS[k % len(MANY_MARKERS)]
+    axes.plot(sizes, middle, color=colour, marker=marker, ms=5, lw=1.2, label=label, **style)
     axes.fill_between(sizes, low, high, color=colour, alpha=0.15, lw=0)
 
 
