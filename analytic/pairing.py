@@ -16,6 +16,8 @@ from analytic.substructure import platform_mass
 REPEATED = 1e-3
 """Modes closer than this, relative, are compared as one subspace: a mesh may turn them within it
 (the paper's own finite elements split f1 = f2 of case 1 by 1e-4)."""
+EXACTLY = 1e-6
+"""Modes closer than this are one mode twice: which shape is which is chance."""
 TRUSTED = 0.8
 """Below this assurance a pair is reported as doubtful."""
 
@@ -28,16 +30,14 @@ class Pairing:
         partner: index of the partner, shape (m,).
         assurance: the pair's assurance criterion, 0..1, shape (m,).
         matrix: assurance of every mode of the first against every one of the second, (m, k).
+        reordered: where pairing by shape disagrees with pairing by order, shape (m,); not within
+            a repeated group, where order means nothing.
     """
 
     partner: NDArray[np.intp]
     assurance: NDArray[np.float64]
     matrix: NDArray[np.float64]
-
-    @property
-    def reordered(self) -> NDArray[np.bool_]:
-        """Where pairing by shape disagrees with pairing by order, shape (m,)."""
-        return np.asarray(self.partner != np.arange(len(self.partner)))
+    reordered: NDArray[np.bool_]
 
     @property
     def doubtful(self) -> NDArray[np.bool_]:
@@ -49,18 +49,29 @@ def pair(first: Modes, second: Modes, mechanism: Mechanism, pose: Pose) -> Pairi
     """Pair modes by shape: the assignment of largest total assurance.
 
     The second model needs at least as many modes as the first; a mode more lets a pair that
-    crosses the end of the list be found. Ties (repeated modes) go by ascending frequency.
+    crosses the end of the list be found. Close modes of one subspace go by their own shapes,
+    exactly repeated ones by ascending frequency.
     """
     a, b = (mass_vectors(modes, mechanism, pose) for modes in (first, second))
     # Either model may be the one whose modes repeat.
     matrix = np.maximum(assurance(a, b, second.frequencies), assurance(b, a, first.frequencies).T)
     rank = np.arange(matrix.shape[0])[:, None] - np.arange(matrix.shape[1])
-    _, partner = linear_sum_assignment(matrix - 1e-9 * rank**2, maximize=True)
-    return Pairing(partner, matrix[np.arange(len(partner)), partner], matrix)
+    own = np.maximum(
+        assurance(a, b, second.frequencies, EXACTLY),
+        assurance(b, a, first.frequencies, EXACTLY).T,
+    )
+    _, partner = linear_sum_assignment(matrix + 1e-3 * own - 1e-9 * rank**2, maximize=True)
+    f = second.frequencies
+    order = np.arange(len(partner))
+    reordered = np.abs(f[partner] - f[order]) > REPEATED * np.abs(f[order])
+    return Pairing(partner, matrix[order, partner], matrix, reordered)
 
 
 def assurance(
-    a: NDArray[np.float64], b: NDArray[np.float64], frequencies: NDArray[np.float64]
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    frequencies: NDArray[np.float64],
+    within: float = REPEATED,
 ) -> NDArray[np.float64]:
     """Return (a_i . b_j)^2 / (a_i . a_i) (b_j . b_j), shape (m, k), for a (m, N) and b (k, N).
 
@@ -71,7 +82,7 @@ def assurance(
     still_a, still_b = (np.linalg.norm(v, axis=1) < 1e-3 for v in (a, b))
     unit = a / np.maximum(np.linalg.norm(a, axis=1, keepdims=True), 1e-300)
     result = np.empty((len(a), len(b)))
-    for group in repeated(frequencies):
+    for group in repeated(frequencies, within):
         basis, singular, _ = np.linalg.svd(b[group].T, full_matrices=False)
         basis = basis[:, singular > 1e-6 * max(singular[0], 1e-300)]
         result[:, group] = ((unit @ basis) ** 2).sum(axis=1)[:, None]
@@ -81,9 +92,9 @@ def assurance(
     return result
 
 
-def repeated(frequencies: NDArray[np.float64]) -> list[slice]:
-    """Return slices of ascending `frequencies` that lie within `REPEATED` of their neighbour."""
-    breaks = np.flatnonzero(np.diff(frequencies) > REPEATED * np.abs(frequencies[1:])) + 1
+def repeated(frequencies: NDArray[np.float64], within: float = REPEATED) -> list[slice]:
+    """Return slices of ascending `frequencies` that lie `within`, relative, of their neighbour."""
+    breaks = np.flatnonzero(np.diff(frequencies) > within * np.abs(frequencies[1:])) + 1
     edges = [0, *breaks.tolist(), len(frequencies)]
     return [slice(start, stop) for start, stop in pairwise(edges)]
 

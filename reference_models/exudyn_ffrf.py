@@ -72,8 +72,9 @@ class ExudynFfrf:
 
         Raises `UnavailableError` without NGSolve and `ModelError` where it or Netgen fails.
         """
-        load_ngsolve()
-        return run(NAME, self.theory, self.elements, self._add_rod, mechanism, pose, count)
+        mesher = load_ngsolve().__version__
+        modes = run(NAME, self.theory, self.elements, self._add_rod, mechanism, pose, count)
+        return replace(modes, version=f"{modes.version}, ngsolve {mesher}")
 
     def _add_rod(self, exu: Any, mbs: Any, axis: Axis) -> Line:
         items, material = exu.itemInterface, axis.rod.material

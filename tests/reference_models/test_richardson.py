@@ -49,6 +49,15 @@ def test_planted_limits_come_back(robot: Mechanism, case2: Pose, errors: tuple[f
     np.testing.assert_allclose(modes.uncertainty, expected, atol=1e-9)
 
 
+def test_close_modes_that_cross_are_followed(robot: Mechanism, case2: Pose) -> None:
+    """In the limit 0.05 % apart, which looks repeated, and in the other order on a coarse mesh."""
+    limits = (*LIMITS[:4], 300.15, *LIMITS[5:])
+    errors = (0.0, 0.0, 0.0, 0.3, -0.3, 0.0, 0.0, 0.0, 0.0, 0.0)
+    coarse, fine = (Planted(n, limits, errors) for n in (8, 32))
+    modes = Richardson(coarse, fine, order=2).modes(robot, case2, 6)
+    np.testing.assert_allclose(modes.frequencies, limits[:6], rtol=1e-12)
+
+
 def test_the_coarser_comes_first() -> None:
     with pytest.raises(InputError, match=r"elements = \(16, 8\): expected two numbers"):
         Richardson(Planted(16, LIMITS, LIMITS), Planted(8, LIMITS, LIMITS), 2)
