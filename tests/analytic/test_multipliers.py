@@ -168,6 +168,7 @@ def test_free_motions_are_rigid(robot: Mechanism, case2: Pose) -> None:
     assert np.abs(K @ motion).max() < 1e-12 * abs(K).max()
 
 
+@pytest.mark.slow
 def test_multiplicity_is_never_lost() -> None:
     """Symmetric poses of three to six limbs: pairs, and torsion of all limbs at once."""
     for limbs in (3, 4, 6):

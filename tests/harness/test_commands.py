@@ -65,6 +65,7 @@ def test_every_erratum_is_shown_by_a_command(rps_bench: Bench) -> None:
             )
 
 
+@pytest.mark.slow
 def test_errata_numbers(rps_bench: Bench, tmp_path: Path) -> None:
     """The figures quoted in the errata come from the model, not from memory."""
     rps_bench("reproduce", "--references", "exudyn-cable@4", "--output", str(tmp_path))
@@ -111,6 +112,7 @@ def test_convergence(rps_bench: Bench, tmp_path: Path) -> None:
         assert (tmp_path / f"{stem}.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_pictures_are_the_same_bytes_every_time(rps_bench: Bench, tmp_path: Path) -> None:
     for name in ("a", "b"):
         rps_bench(
@@ -136,6 +138,7 @@ def test_models_says_what_is_missing(rps_bench: Bench, monkeypatch: pytest.Monke
     assert "'exudyn-cable' cannot run here: no Exudyn; pip install exudyn" in answer.err
 
 
+@pytest.mark.slow
 def test_a_failing_model_costs_only_its_own_results(
     rps_bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -67,6 +67,7 @@ def test_standard_error_by_hand() -> None:
     assert fit.error == pytest.approx(error)
 
 
+@pytest.mark.slow
 def test_everything_is_timed_in_every_round(cost: Cost) -> None:
     found = {(timing.model, timing.size) for timing in cost.elements}
     # The paper's three elements are always there; the MuJoCo cable starts at three.
@@ -87,6 +88,7 @@ def test_everything_is_timed_in_every_round(cost: Cost) -> None:
     assert (cost.yardstick.ratios == 1).all() and not cost.failures
 
 
+@pytest.mark.slow
 def test_dofs_are_the_models(cost: Cost) -> None:
     dofs = {(t.model, t.size): t.dofs for t in cost.elements}
     for s in (1, 2, 4):
@@ -95,6 +97,7 @@ def test_dofs_are_the_models(cost: Cost) -> None:
     assert dofs["condensed", 1] is None and dofs["continuum", None] == 6
 
 
+@pytest.mark.slow
 def test_ratios_are_to_the_same_round(cost: Cost) -> None:
     for timing in cost.elements:
         np.testing.assert_allclose(timing.ratios * cost.yardstick.seconds, timing.seconds)
@@ -102,6 +105,7 @@ def test_ratios_are_to_the_same_round(cost: Cost) -> None:
         np.testing.assert_allclose(timing.ratios * cost.floor.seconds, timing.seconds)
 
 
+@pytest.mark.slow
 def test_claims_stand_beside_what_was_measured(cost: Cost) -> None:
     table = cost_tables(cost)["cost-claims"]
     rows = {row[0]: row for row in csv.reader(io.StringIO(table.csv()))}
@@ -131,6 +135,7 @@ def test_the_published_percentage_follows_from_the_published_seconds() -> None:
     assert saved == pytest.approx(said["cost saved"], abs=0.005)
 
 
+@pytest.mark.slow
 def test_tables_have_every_form_and_say_the_circumstances(cost: Cost) -> None:
     tables = cost_tables(cost)
     assert list(tables) == ["cost-elements", "cost-growth", "cost-batches", "cost-claims"]
@@ -144,6 +149,7 @@ def test_tables_have_every_form_and_say_the_circumstances(cost: Cost) -> None:
     assert "calculix" not in tables["cost-growth"].markdown()
 
 
+@pytest.mark.slow
 def test_figure_has_a_line_for_every_model(cost: Cost) -> None:
     left, right = cost_figure(cost).axes
     shown = [text.get_text() for text in left.get_legend().get_texts()]  # type: ignore[union-attr]
@@ -155,6 +161,7 @@ def test_figure_has_a_line_for_every_model(cost: Cost) -> None:
     assert len(right.lines) == 3 * len(LOOPS)
 
 
+@pytest.mark.slow
 def test_long_runs_end_a_series(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study, "LONG", 0.0)
     monkeypatch.setattr(study, "SLOW", 0.0)
@@ -177,6 +184,7 @@ def test_what_is_loaded_once_ends_no_series(monkeypatch: pytest.MonkeyPatch) -> 
     assert "not beyond s=16" in left_out["compiled"]
 
 
+@pytest.mark.slow
 def test_a_failing_simulator_costs_only_itself(
     rps_bench: Callable[..., Any], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -37,6 +37,7 @@ def local(cores: int = 2, patience: Patience = Patience(5.0, 2)) -> Iterator[Loc
         yield chosen
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plugin")
 def test_a_failing_job_costs_itself_only_and_says_why() -> None:
     expected = {
@@ -61,6 +62,7 @@ def test_a_failing_job_costs_itself_only_and_says_why() -> None:
             )
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plugin")
 def test_a_job_whose_process_died_is_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -72,6 +74,7 @@ def test_a_job_whose_process_died_is_tried_again(
     assert len(list(tmp_path.glob("0.*"))) == 1  # it did die once
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("plugin")
 def test_a_program_of_another_version_than_planned_is_not_believed() -> None:
     (job, *_) = trial(FINE)
@@ -125,6 +128,7 @@ def test_no_more_jobs_are_handed_out_than_are_needed() -> None:
     assert drawn == AHEAD * Idle.cores
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elements", [None, 3])
 def test_a_block_has_the_same_bits_whatever_was_solved_before(
     elements: int | None, robot: Mechanism

@@ -56,6 +56,7 @@ def _octave(path: Path) -> int:
         return int(stored["octave"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [5, pytest.param(50, marks=pytest.mark.slow)])
 def test_poses_are_those_of_the_meshed_rods(
     model: SolidLimb, robot: Mechanism, workspace_poses: Poses, count: int

@@ -123,6 +123,7 @@ def test_a_worst_pose_is_seen_again_by_the_command_printed(
     assert np.abs(by_shape).max() < 1e-7
 
 
+@pytest.mark.slow
 def test_the_same_again_computes_nothing_and_more_only_what_is_missing(
     rps_bench: Callable[..., Any], tmp_path: Path, log: Path, plugin: None
 ) -> None:
@@ -140,6 +141,7 @@ def test_the_same_again_computes_nothing_and_more_only_what_is_missing(
     assert_complete(tmp_path / "out", 25, 6)
 
 
+@pytest.mark.slow
 def test_failures_are_listed_by_reason_with_status_1(
     rps_bench: Callable[..., Any], tmp_path: Path, plugin: None
 ) -> None:

@@ -173,6 +173,7 @@ def test_a_simulator_goes_pose_by_pose(
     assert symmetry_table(data, [1]).rows[0][1:] == ("",) * 4
 
 
+@pytest.mark.slow
 def test_pictures_show_degrees_and_hertz(solved: WorkspaceMap, region: Region) -> None:
     contours = contour_figure(solved, [1, 2])
     panels = [axes for axes in contours.axes if axes.get_aspect() == 1]

@@ -64,6 +64,7 @@ def test_extrapolated_limit(case: int) -> None:
     assert (np.abs(step) < 2e-4 * paper(fine, case)).all()
 
 
+@pytest.mark.slow
 @needs_ccx
 def test_eight_elements_are_close() -> None:
     error = paper(8, 2) / LIMITS[1] - 1
@@ -88,14 +89,16 @@ def test_observed_order() -> None:
     assert ((orders > 3.7) & (orders < 6)).all(), orders
 
 
+@pytest.mark.slow
 @needs_ccx
 def test_equal_elements_converge_slowly(
     robot: Mechanism, case2: Pose, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Why the mesh is graded, and what `remark` says: f1-f3 see the clamped rims."""
+    graded = np.abs(paper(8, 2)[:3] / LIMITS[1][:3] - 1)  # kept: before the mesh is changed
     monkeypatch.setattr(calculix_solid, "GRADING", 1.0)
     error = CalculixSolid(8).modes(robot, case2, 3).frequencies / LIMITS[1][:3] - 1
-    assert (error > 4 * np.abs(paper(8, 2)[:3] / LIMITS[1][:3] - 1)).all(), error
+    assert (error > 4 * graded).all(), error
 
 
 @needs_ccx

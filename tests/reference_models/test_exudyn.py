@@ -359,6 +359,7 @@ def script(text: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_prints_nothing_and_writes_nothing(tmp_path: Path) -> None:
     assert script(QUIET, tmp_path) == ""
     assert list(tmp_path.iterdir()) == []

@@ -48,6 +48,7 @@ def test_random_poses_are_the_solid_rods(robot: Mechanism, workspace_poses: Pose
         agrees(robot, pose)
 
 
+@pytest.mark.slow
 def test_unequal_limbs_any_platform() -> None:
     steel, alloy = Material(200e9, 77e9, 7820.0), Material(70e9, 26e9, 2700.0)
     platform = Platform(20.0, ((0.3, 0.05, -0.04), (0.05, 0.4, 0.02), (-0.04, 0.02, 0.6)))
@@ -60,6 +61,7 @@ def test_unequal_limbs_any_platform() -> None:
     agrees(Mechanism(tuple(limbs), platform), Pose(0.5, np.radians(20), np.radians(8)))
 
 
+@pytest.mark.slow
 def test_more_modes_are_nearer(robot: Mechanism, case1: Pose) -> None:
     solid = NgsolveSolid(MESH).modes(robot, case1).frequencies
     few, some, many = (
@@ -69,6 +71,7 @@ def test_more_modes_are_nearer(robot: Mechanism, case1: Pose) -> None:
     assert few > 3 * some > 9 * many, (few, some, many)
 
 
+@pytest.mark.slow
 def test_shapes(robot: Mechanism, case2: Pose) -> None:
     found, solid = (model.modes(robot, case2) for model in (ExudynFfrf(MESH), NgsolveSolid(MESH)))
     paired = pair(found, solid, robot, case2)
