@@ -23,7 +23,7 @@ PLATE = Platform.disc(0.2, 0.02, 7820)
 STEEL = Material(200e9, 77e9, 7820)
 
 
-@pytest.fixture(params=["numpy", "compiled"], autouse=True)
+@pytest.fixture(params=["numpy", pytest.param("compiled", marks=pytest.mark.slow)], autouse=True)
 def route(request, monkeypatch):
     """Everything holds for plain numpy and, where numba is installed, for the compiled loop."""
     if request.param == "compiled":

@@ -245,6 +245,7 @@ def test_a_folder_that_cannot_be_written(rps_bench: Callable[..., Any], tmp_path
     assert blocked.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_process_ends_the_same_way() -> None:
     """Through the installed command: no traceback, exit status 2."""
     command = [str(Path(sys.executable).with_name("rps-bench")), "table", "--cases", "case9"]

@@ -207,6 +207,7 @@ def test_a_failing_simulator_costs_only_itself(
     assert answer.status == 2 and "cannot run here: no Exudyn" in answer.err
 
 
+@pytest.mark.slow
 def test_one_thread_is_what_is_timed(monkeypatch: pytest.MonkeyPatch) -> None:
     from threadpoolctl import threadpool_info, threadpool_limits
 

@@ -32,6 +32,7 @@ def agrees(robot: Mechanism, pose: Pose, elements: int = MESH) -> None:
     assert (error > -1e-9).all(), f"{pose}: {error}"
 
 
+@pytest.mark.slow
 def test_both_cases_are_the_solid_rods(robot: Mechanism, case1: Pose, case2: Pose) -> None:
     for pose in (case1, case2):
         agrees(robot, pose)
