@@ -96,7 +96,7 @@ def draw_mode(axes: Axes3D, mechanism: Mechanism, pose: Pose, modes: Modes, i: i
         axes.add_collection3d(Poly3DCollection([points], facecolor=colour, alpha=alpha, lw=0))
     reach = 1.05 * max(float(np.abs(mechanism.bases[:, :2]).max()), float(o[2]) / 2)
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(0, 1.05 * o[2] + 0.1 * reach))
-    axes.set_box_aspect((2 * reach, 2 * reach, 1.05 * o[2] + 0.1 * reach), zoom=1.4)
+    axes.set_box_aspect((2 * reach, 2 * reach, 1.05 * o[2] + 0.1 * reach), zoom=1.2)
     axes.view_init(elev=18, azim=-60)
 
 

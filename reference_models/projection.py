@@ -11,6 +11,8 @@ from analytic.modes import check_count
 Array = NDArray[np.float64]
 RANK = 1e-9
 """Singular values below this, relative to the largest of the same joints, are zero."""
+FREE = 1e-10
+"""A ratio of eigenvalues at which the lower one is a free motion rather than a vibration."""
 NOISE = 1e-14
 """Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
@@ -26,8 +28,25 @@ def constrained_modes(K: Array, M: Array, J: Array, count: int) -> tuple[Array, 
     check_count(count, free.shape[1])
     reduced = (free.T @ (A @ free) for A in (K, M))
     K_free, M_free = ((A + A.T) / 2 for A in reduced)
-    values, x = scipy.linalg.eigh(K_free, M_free, subset_by_index=(0, count - 1))
+    values, x = _lowest(K_free, M_free, count)
     return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), free @ x, free.shape[1]
+
+
+def _lowest(K: Array, M: Array, count: int) -> tuple[Array, Array]:
+    """Return the lowest eigenvalues and mass-normalised vectors of a symmetric pair.
+
+    LAPACK's error is relative to the largest eigenvalue: that of (M, K) belongs to the lowest mode.
+    Where K is singular (a free motion) only (K, M) can be solved.
+    """
+    size = len(K)
+    try:
+        mu, x = scipy.linalg.eigh(M, K, subset_by_index=(size - count, size - 1))
+    except np.linalg.LinAlgError:
+        mu = np.zeros(1)
+    if mu[0] <= FREE * mu[-1]:
+        values, x = scipy.linalg.eigh(K, M, subset_by_index=(0, count - 1))
+        return values, x
+    return 1 / mu[::-1], (x / np.sqrt(mu))[:, ::-1]
 
 
 def null_space(J: Array) -> sp.csr_array:

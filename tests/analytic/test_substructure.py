@@ -174,12 +174,10 @@ def test_observed_order(beam: str, order: int, robot: Mechanism, case2: Pose) ->
     np.testing.assert_allclose(observed, order, atol=0.15)
 
 
-@given(pose=poses, beam=st.sampled_from(THEORIES))
+@given(pose=poses, beam=st.sampled_from(THEORIES[:2]))
 @settings(max_examples=15, deadline=None)
 def test_more_elements_never_raise_a_frequency(pose: Pose, beam: str) -> None:
-    """Nested conforming meshes: Rayleigh's principle, for the theories whose mesh is nested."""
-    if beam == "timoshenko":  # its interpolation depends on the element's length
-        return
+    """Rayleigh's principle on nested meshes; Timoshenko's depend on the element's length."""
     coarse, fine = (frequencies(Mechanism.paper(), pose, s, beam) for s in (2, 4))
     assert (fine <= coarse * (1 + 1e-10)).all()
 
