@@ -1,10 +1,11 @@
 """Eqs. (23)-(24): the lowest natural frequencies and modes of (K, M)."""
 
+from __future__ import annotations  # scipy loads its parts when they are first used
+
 from contextlib import suppress
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse
+import scipy
 from numpy.typing import NDArray
 
 from analytic.lanczos import SingularError, lowest_sparse

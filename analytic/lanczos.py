@@ -5,11 +5,12 @@ solutions at symmetric poses with `scipy.sparse.linalg.eigsh`, 11 missed one. A 
 copies as it has columns, and the inertia of K - omega^2 M says whether any is missing.
 """
 
+from __future__ import annotations  # scipy loads its parts when they are first used
+
 from collections.abc import Callable
 
 import numpy as np
-import scipy.sparse as sp
-import scipy.sparse.linalg
+import scipy
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -28,7 +29,9 @@ class SingularError(ArithmeticError):
     """A matrix that cannot be eliminated."""
 
 
-def lowest_sparse(K: sp.csr_array, M: sp.csr_array, count: int) -> tuple[Array, Array]:
+def lowest_sparse(
+    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int
+) -> tuple[Array, Array]:
     """Return the `count` lowest omega^2 of (K, M), ascending, and mass-normalised vectors.
 
     Coordinates should run along the chains of a structure: they are eliminated in the order given.
@@ -41,11 +44,11 @@ def lowest_sparse(K: sp.csr_array, M: sp.csr_array, count: int) -> tuple[Array, 
 
 
 def lowest(
-    K: sp.csr_array,
-    M: sp.csr_array,
+    K: scipy.sparse.csr_array,
+    M: scipy.sparse.csr_array,
     count: int,
     solve: Callable[[Array], Array],
-    counted: tuple[sp.csr_array, sp.csr_array],
+    counted: tuple[scipy.sparse.csr_array, scipy.sparse.csr_array],
 ) -> tuple[Array, Array]:
     """Return what `lowest_sparse` returns, with any inverse of K + shift M, by `solve`.
 
@@ -66,7 +69,7 @@ def lowest(
         block *= 2
 
 
-def _count(K: sp.csr_array, M: sp.csr_array, value: float) -> int | None:
+def _count(K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, value: float) -> int | None:
     """Return how many omega^2 of (K, M) lie below `value`; None where a pivot vanishes."""
     try:
         return int((pivots(factor(K - value * M)) < 0).sum())
@@ -74,11 +77,11 @@ def _count(K: sp.csr_array, M: sp.csr_array, value: float) -> int | None:
         return None
 
 
-def factor(A: sp.csr_array) -> scipy.sparse.linalg.SuperLU:
+def factor(A: scipy.sparse.csr_array) -> scipy.sparse.linalg.SuperLU:
     """Return A = L U, eliminated down the diagonal: rows and columns are permuted alike."""
     try:
         factors = scipy.sparse.linalg.splu(
-            sp.csc_array(A),
+            scipy.sparse.csc_array(A),
             permc_spec="NATURAL",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
@@ -96,7 +99,7 @@ def pivots(factors: scipy.sparse.linalg.SuperLU) -> Array:
 
 
 def _block_lanczos(
-    solve: Callable[[Array], Array], M: sp.csr_array, count: int, block: int
+    solve: Callable[[Array], Array], M: scipy.sparse.csr_array, count: int, block: int
 ) -> Array:
     """Return mass-normalised eigenvectors of S M to its `count` largest eigenvalues, descending.
 
@@ -129,7 +132,7 @@ def _block_lanczos(
         last = residual
 
 
-def _orthonormal(W: Array, V: Array, M: sp.csr_array) -> Array:
+def _orthonormal(W: Array, V: Array, M: scipy.sparse.csr_array) -> Array:
     """Return a basis of W's columns, orthonormal in M, to each other and to V: twice is enough.
 
     Directions that V holds but for rounding are dropped.

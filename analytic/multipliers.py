@@ -1,12 +1,13 @@
 """The same mechanism the traditional way: free bodies, joints as constraints, multipliers."""
 
+from __future__ import annotations  # scipy loads its parts when they are first used
+
 import time
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
 
 from analytic.eigen import hertz, lowest_modes
@@ -72,19 +73,21 @@ class Multipliers:
 
     def matrices(
         self, mechanism: Mechanism, pose: Pose
-    ) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array]:
+    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array, scipy.sparse.csr_array]:
         """Return K, M, both (N, N), and C, (c, N): N = 6 n (s+1) + 6, c = 8 n (3 n, base free)."""
         return self._matrices(mechanism, pose, limbs_at_one(mechanism, pose))
 
     def _matrices(
         self, mechanism: Mechanism, pose: Pose, limbs: Limbs
-    ) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array]:
+    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array, scipy.sparse.csr_array]:
         s, n = self.elements, len(mechanism.limbs)
         K, M = zip(
             *(limb_matrices(mechanism, limbs, i, s, self.theory) for i in range(n)), strict=True
         )
-        K_all = sp.csr_array(sp.block_diag([*K, np.zeros((6, 6))]))
-        M_all = sp.csr_array(sp.block_diag([*M, platform_mass(mechanism, pose)]))
+        K_all = scipy.sparse.csr_array(scipy.sparse.block_diag([*K, np.zeros((6, 6))]))
+        M_all = scipy.sparse.csr_array(
+            scipy.sparse.block_diag([*M, platform_mass(mechanism, pose)])
+        )
         axes = mechanism.axes if self.base == "revolute" else None
         return K_all, M_all, joints(limbs.arms, axes, s)
 
@@ -125,7 +128,9 @@ class Multipliers:
         )
 
 
-def joints(arms: NDArray[np.float64], axes: NDArray[np.float64] | None, s: int) -> sp.csr_array:
+def joints(
+    arms: NDArray[np.float64], axes: NDArray[np.float64] | None, s: int
+) -> scipy.sparse.csr_array:
     """Return C of C u = 0 for limbs of s elements, each row a unit coordinate of its limb.
 
     Spherical at A_i: Delta_A - J_i U_p = 0, Eq. (10). Revolute at B_i about `axes` (n, 3), if any:
@@ -135,36 +140,40 @@ def joints(arms: NDArray[np.float64], axes: NDArray[np.float64] | None, s: int) 
     rows = []
     for i, arm in enumerate(arms):
         tip = i * own + 6 * s
-        spherical = sp.lil_array((3, n * own + 6))
+        spherical = scipy.sparse.lil_array((3, n * own + 6))
         spherical[:, tip : tip + 3] = np.eye(3)
         spherical[:, -6:] = -rigid_arm(arm)
         rows.append(spherical)
         if axes is not None:
-            revolute = sp.lil_array((5, n * own + 6))
+            revolute = scipy.sparse.lil_array((5, n * own + 6))
             revolute[:3, i * own : i * own + 3] = np.eye(3)
             revolute[3:, i * own + 3 : i * own + 6] = scipy.linalg.null_space(axes[i][None]).T
             rows.append(revolute)
-    return sp.csr_array(sp.vstack(rows))
+    return scipy.sparse.csr_array(scipy.sparse.vstack(rows))
 
 
-def null_space(C: sp.csr_array) -> sp.csr_array:
+def null_space(C: scipy.sparse.csr_array) -> scipy.sparse.csr_array:
     """Return an orthonormal N with C N = 0, shape (N, N - c): coordinates no joint holds stay."""
     held = np.unique(C.indices)
     others = np.setdiff1d(np.arange(C.shape[1]), held)
     basis = scipy.linalg.qr(C[:, held].toarray().T)[0][:, C.shape[0] :]
-    result = sp.lil_array((C.shape[1], len(others) + basis.shape[1]))
+    result = scipy.sparse.lil_array((C.shape[1], len(others) + basis.shape[1]))
     result[others, np.arange(len(others))] = 1.0
     result[held, len(others) :] = basis
-    return sp.csr_array(result)
+    return scipy.sparse.csr_array(result)
 
 
 def _saddle_point(
-    K: sp.csr_array, M: sp.csr_array, C: sp.csr_array, count: int, shift: float
+    K: scipy.sparse.csr_array,
+    M: scipy.sparse.csr_array,
+    C: scipy.sparse.csr_array,
+    count: int,
+    shift: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Solve the augmented pair by inverting [[K + shift M, C^T], [C, 0]]; modes as `lowest`."""
     size, held = K.shape[0], C.shape[0]
     blocks: list[list[Any]] = [[K + shift * M, C.T], [C, None]]
-    inverse = factor(sp.csr_array(sp.block_array(blocks)))
+    inverse = factor(scipy.sparse.csr_array(scipy.sparse.block_array(blocks)))
 
     def solve(force: NDArray[np.float64]) -> NDArray[np.float64]:
         padded = np.zeros((size + held, force.shape[1]))

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from analytic.limbs import limbs_at
 from analytic.mechanism import Mechanism
@@ -60,7 +60,9 @@ def pair(first: Modes, second: Modes, mechanism: Mechanism, pose: Pose) -> Pairi
         assurance(a, b, second.frequencies, EXACTLY),
         assurance(b, a, first.frequencies, EXACTLY).T,
     )
-    _, partner = linear_sum_assignment(matrix + 1e-3 * own - 1e-9 * rank**2, maximize=True)
+    _, partner = scipy.optimize.linear_sum_assignment(
+        matrix + 1e-3 * own - 1e-9 * rank**2, maximize=True
+    )
     f = second.frequencies
     order = np.arange(len(partner))
     reordered = np.abs(f[partner] - f[order]) > REPEATED * np.abs(f[order])

@@ -1,11 +1,13 @@
 """The paper's model: substructure synthesis over independent displacement coordinates."""
 
+from __future__ import annotations  # scipy loads its parts when they are first used
+
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
 
 from analytic.beam import centre_line, element_matrices
@@ -45,7 +47,9 @@ class Substructure:
         """The beam theory of the elements."""
         return Theory(self.beam, self.shear)
 
-    def matrices(self, mechanism: Mechanism, pose: Pose) -> tuple[sp.csr_array, sp.csr_array]:
+    def matrices(
+        self, mechanism: Mechanism, pose: Pose
+    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
         """Return K = Q^T K_r Q and M = Q^T M_r Q of Eq. (22), both (n (6 s) + 6 - ..., same).
 
         The order is U of Eq. (19): for every limb its independent angle at B_i, its inner nodes
@@ -55,11 +59,11 @@ class Substructure:
 
     def _matrices(
         self, mechanism: Mechanism, pose: Pose, limbs: Limbs
-    ) -> tuple[sp.csr_array, sp.csr_array]:
+    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
         s, n = self.elements, len(mechanism.limbs)
         H_p = platform_selection(n, s)
-        K_bar = sp.csr_array((H_p.shape[1], H_p.shape[1]))
-        M_bar = H_p.T @ sp.csr_array(platform_mass(mechanism, pose)) @ H_p
+        K_bar = scipy.sparse.csr_array((H_p.shape[1], H_p.shape[1]))
+        M_bar = H_p.T @ scipy.sparse.csr_array(platform_mass(mechanism, pose)) @ H_p
         for i in range(n):
             K_i, M_i = limb_matrices(mechanism, limbs, i, s, self.theory)
             H_i = limb_selection(i, n, s, limbs.arms[i])
@@ -67,7 +71,7 @@ class Substructure:
             M_bar = M_bar + H_i.T @ M_i @ H_i
         # Eq. (14) strikes out Delta_Bi; Eqs. (17)-(21) then leave one angle a revolute joint.
         Q = independent_coordinates(mechanism.axes, s)
-        return sp.csr_array(Q.T @ K_bar @ Q), sp.csr_array(Q.T @ M_bar @ Q)
+        return scipy.sparse.csr_array(Q.T @ K_bar @ Q), scipy.sparse.csr_array(Q.T @ M_bar @ Q)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose, Eqs. (23)-(24).
@@ -111,7 +115,7 @@ def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
 
 def limb_matrices(
     mechanism: Mechanism, limbs: Limbs, i: int, s: int, theory: Theory
-) -> tuple[sp.csr_array, sp.csr_array]:
+) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
     """Return K_i, M_i of one free rod in global axes, Eqs. (4)-(6), each (6 (s+1), 6 (s+1)).
 
     Every element has the same frame, so T_i is applied to one of them before they are joined.
@@ -139,14 +143,14 @@ def limb_motion(
     return motion
 
 
-def _joined(element: NDArray[np.float64], s: int) -> sp.csr_array:
+def _joined(element: NDArray[np.float64], s: int) -> scipy.sparse.csr_array:
     """Return s equal elements joined end to end, node by node."""
     rows, columns = np.divmod(np.arange(144), 12)
     start = 6 * np.arange(s)[:, None]
     size = 6 * (s + 1)
     entries = np.tile(element.ravel(), s)
     where = ((start + rows).ravel(), (start + columns).ravel())
-    return sp.csr_array(sp.coo_array((entries, where), shape=(size, size)))
+    return scipy.sparse.csr_array(scipy.sparse.coo_array((entries, where), shape=(size, size)))
 
 
 def platform_mass(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
@@ -164,7 +168,7 @@ def rigid_arm(arm: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([[1.0, 0, 0, 0, z, -y], [0, 1.0, 0, -z, 0, x], [0, 0, 1.0, y, -x, 0]])
 
 
-def limb_selection(i: int, n: int, s: int, arm: NDArray[np.float64]) -> sp.csr_array:
+def limb_selection(i: int, n: int, s: int, arm: NDArray[np.float64]) -> scipy.sparse.csr_array:
     """Return H_i of Eq. (12), shape (6 (s+1), n (6 s + 3) + 6), for limb `i` of `n`.
 
     Rows are the limb's nodes; columns are U-bar: for every limb Delta_B, Phi_B, inner nodes and
@@ -176,15 +180,17 @@ def limb_selection(i: int, n: int, s: int, arm: NDArray[np.float64]) -> sp.csr_a
     rows = np.r_[copied, 6 * s + np.repeat(np.arange(3), 6)]
     columns = np.r_[i * own + np.arange(own), n * own + np.tile(np.arange(6), 3)]
     entries = np.r_[np.ones(own), rigid_arm(arm).ravel()]
-    return sp.csr_array(sp.coo_array((entries, (rows, columns)), shape=(size, n * own + 6)))
+    return scipy.sparse.csr_array(
+        scipy.sparse.coo_array((entries, (rows, columns)), shape=(size, n * own + 6))
+    )
 
 
-def platform_selection(n: int, s: int) -> sp.csr_array:
+def platform_selection(n: int, s: int) -> scipy.sparse.csr_array:
     """Return H_p of Eq. (12), shape (6, n (6 s + 3) + 6): the last six of U-bar."""
-    return sp.csr_array(sp.eye_array(6, n * (6 * s + 3) + 6, k=n * (6 * s + 3)))
+    return scipy.sparse.csr_array(scipy.sparse.eye_array(6, n * (6 * s + 3) + 6, k=n * (6 * s + 3)))
 
 
-def independent_coordinates(axes: NDArray[np.float64], s: int) -> sp.csr_array:
+def independent_coordinates(axes: NDArray[np.float64], s: int) -> scipy.sparse.csr_array:
     """Return the map from U, Eq. (19), to U-bar, Eq. (11): Q of Eq. (21) with the zero rows kept.
 
     Shape (n (6 s + 3) + 6, n (6 s - 2) + 6). At B_i, Delta = 0 and Phi = (e / e_k) phi_k, where
@@ -204,4 +210,6 @@ def independent_coordinates(axes: NDArray[np.float64], s: int) -> sp.csr_array:
     entries += [np.ones(6)]
     where = (np.concatenate(rows), np.concatenate(columns))
     shape = (n * own + 6, n * kept + 6)
-    return sp.csr_array(sp.coo_array((np.concatenate(entries), where), shape=shape))
+    return scipy.sparse.csr_array(
+        scipy.sparse.coo_array((np.concatenate(entries), where), shape=shape)
+    )
