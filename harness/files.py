@@ -9,11 +9,12 @@ class OutputError(RuntimeError):
     """A result that could not be written; nothing half-written is left."""
 
 
-def write_all(directory: Path, files: dict[str, bytes]) -> list[Path]:
+def write_all(directory: Path, files: dict[str, bytes], option: str = "--output") -> list[Path]:
     """Write `files` (name: content) into `directory`, all or none of them.
 
     Every file is complete under a temporary name before the first takes its own. Raises
-    `OutputError` with the reason, leaving what was there before.
+    `OutputError` with the reason and the `option` that names the folder, leaving what was there
+    before.
     """
     staged: list[tuple[Path, Path]] = []
     try:
@@ -31,7 +32,7 @@ def write_all(directory: Path, files: dict[str, bytes]) -> list[Path]:
             temporary_path.replace(target)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise OutputError(f"--output = {str(directory)!r}: cannot write there ({reason})") from None
+        raise OutputError(f"{option} = {str(directory)!r}: cannot write there ({reason})") from None
     finally:
         for temporary_path, _ in staged:
             temporary_path.unlink(missing_ok=True)
