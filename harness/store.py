@@ -107,7 +107,7 @@ class History:
             try:
                 columns |= _columns(path)
                 sound.append(escape(str(path)))
-            except _Flaw as flaw:
+            except _FlawError as flaw:
                 self.skipped.append((path, str(flaw)))
         self._base = duckdb.connect(config={"autoinstall_known_extensions": False})
         typed = ", ".join(f'"{name}" {kind}' for name, kind in COLUMNS.items())
@@ -134,7 +134,12 @@ class History:
             statements = self._base.extract_statements(sql)
             if [s.type for s in statements] != [duckdb.StatementType.SELECT]:
                 raise InputError("--sql", sql, expected)
-            return pl.DataFrame(self._base.sql(sql, params=params))
+            answer = self._base.sql(sql, params=params)
+            # Row by row: polars does not let go of an Arrow stream of DuckDB's, which then
+            # complains on the error stream when the process ends.
+            types = [_TYPES.get(str(kind)) for kind in answer.types]
+            schema = list(zip(answer.columns, types, strict=True))
+            return pl.DataFrame(answer.fetchall(), schema, orient="row", infer_schema_length=None)
         except duckdb.Error as error:
             reason = str(error).splitlines()[0]
             raise InputError("--sql", sql, f"{expected} ({reason})") from None
@@ -145,7 +150,7 @@ def open_history(folder: Path) -> History:
     return History(folder)
 
 
-class _Flaw(Exception):
+class _FlawError(Exception):
     """Why a file is not part of the history."""
 
 
@@ -153,18 +158,18 @@ def _columns(path: Path) -> set[str]:
     """Return which of `COLUMNS` a sound file has."""
     named = _NAME.fullmatch(path.name)
     if named is None:
-        raise _Flaw("not written by rps-bench: its name is not RUN.CHECKSUM.parquet")
+        raise _FlawError("not written by rps-bench: its name is not RUN.CHECKSUM.parquet")
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise _Flaw(f"cannot be read ({error.strerror})") from None
+        raise _FlawError(f"cannot be read ({error.strerror})") from None
     if _checksum(content) != named[1]:
-        raise _Flaw(f"damaged: {len(content)} bytes that are not those that were written")
+        raise _FlawError(f"damaged: {len(content)} bytes that are not those that were written")
     schema = pl.read_parquet_schema(io.BytesIO(content))
     for name in NEEDED:
         if name not in schema:
-            raise _Flaw(f"of another release: it has no column {name}")
+            raise _FlawError(f"of another release: it has no column {name}")
     for name, kind in SCHEMA.items():
         if name in schema and schema[name] != kind:
-            raise _Flaw(f"of another release: its column {name} is {schema[name]}, not {kind}")
+            raise _FlawError(f"of another release: its column {name} is {schema[name]}, not {kind}")
     return set(schema) & set(SCHEMA)
