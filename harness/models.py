@@ -17,7 +17,6 @@ from analytic import (
     condensed_frequencies,
 )
 from analytic.theory import BEAMS
-from harness.solid_cache import solid_limb
 from reference_models import names, reference
 from reference_models.protocol import find
 
@@ -64,6 +63,8 @@ class Spec:
     def build(self) -> Model:
         """Return the model; raises `UnavailableError` where its program is missing."""
         if self.name == SOLID_LIMB:
+            from harness.solid_cache import solid_limb  # meshes and scipy: half a second
+
             assert isinstance(self.elements, int), "parse allows nothing else"
             return solid_limb(self.elements)
         if not self.analytic:
@@ -86,6 +87,8 @@ def batch_solver(spec: Spec) -> Callable[[Mechanism, Pose, int], NDArray[np.floa
             mechanism, poses, elements, count=count, **theory
         )
     if spec.name == SOLID_LIMB:
+        from harness.solid_cache import solid_limb
+
         assert isinstance(spec.elements, int), "parse allows nothing else"
         return solid_limb(spec.elements).frequencies
     return None
@@ -108,7 +111,7 @@ def parse(text: str, option: str, shear: str | float = "cowper") -> Spec:
     own two refinements, extrapolated.
     """
     name, at, elements = text.partition("@")
-    if name not in known():
+    if name not in BEAMS and name not in known():
         raise InputError(
             option, text, f"one of {', '.join(known())}, or such a name with @ELEMENTS"
         )
