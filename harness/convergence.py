@@ -14,11 +14,9 @@ from harness.cases import Case
 from harness.compare import case_notes, failure_notes, pairing_notes, relative_error
 from harness.figures import COLOURS, MARKERS, figure_files
 from harness.models import Spec
+from harness.refinement import MESHES, ROUNDING, verification_table
 from harness.run import Study, run
 from harness.tables import Cell, Number, Table
-
-ROUNDING = 1e-10
-"""Relative differences below this are rounding: no order can be read from them."""
 
 
 @dataclass(frozen=True)
@@ -81,18 +79,31 @@ def converge(
 
 
 def convergence_tables(result: Convergence, shown: Sequence[int]) -> list[Table]:
-    """Return the errors and, against the theory's own limit, their observed order."""
-    errors = convergence_table(result, shown)
-    return [errors, order_table(result, shown)] if result.same_theory else [errors]
+    """Return the tables of `named_tables`."""
+    return list(named_tables(result, shown).values())
+
+
+def named_tables(result: Convergence, shown: Sequence[int]) -> dict[str, Table]:
+    """Return, by the ending of their files, the errors and what the last three s say of them.
+
+    Against the theory's own limit also the observed order from each s to the next. Fewer than
+    three s say nothing.
+    """
+    tables = {"": convergence_table(result, shown)}
+    if result.same_theory:
+        tables["-order"] = order_table(result, shown)
+    if len(result.elements) >= MESHES:
+        ladder = [replace(result.theory, elements=s) for s in result.elements[-MESHES:]]
+        tables["-verification"] = verification_table(result.study, ladder, shown)
+    return tables
 
 
 def convergence_files(result: Convergence, shown: Sequence[int], stem: str) -> dict[str, bytes]:
     """Return one study's tables and figure as files called `stem`."""
-    errors, *orders = convergence_tables(result, shown)
-    files = errors.files(stem)
-    for order in orders:
-        files |= order.files(f"{stem}-order")
-    return files | figure_files(convergence_figure(result, shown), stem)
+    files = figure_files(convergence_figure(result, shown), stem)
+    for ending, table in named_tables(result, shown).items():
+        files |= table.files(f"{stem}{ending}")
+    return files
 
 
 def convergence_table(result: Convergence, shown: Sequence[int]) -> Table:

@@ -18,6 +18,8 @@ from harness.models import Spec, formal_order
 from harness.run import Study, run
 from harness.tables import Cell, Number, Table
 
+MESHES = 3
+"""Meshes that an order, a limit and a band are read from."""
 SAFETY, WARY = 1.25, 3.0
 """Roache's factors: on three meshes in the asymptotic range, and anywhere else."""
 ASYMPTOTIC = 0.25
@@ -60,7 +62,7 @@ def verify(elements: Sequence[int], frequencies: Sequence[float], formal: float)
     limit = f_3 + (f_3 - f_2) / (r_32^p - 1); GCI = F_s |f_3 - f_2| / (r_32^p - 1), with F_s = 1.25,
     or 3 and the lower of observed and formal order outside the asymptotic range.
     """
-    (n1, n2, n3), (f1, f2, f3) = elements[-3:], frequencies[-3:]
+    (n1, n2, n3), (f1, f2, f3) = elements[-MESHES:], frequencies[-MESHES:]
     first, last = f2 - f1, f3 - f2
     fine, coarse = n3 / n2, n2 / n1
     if abs(last) <= ROUNDING * abs(f3):
@@ -93,22 +95,26 @@ def ladder(spec: Spec, elements: Sequence[int] | None) -> list[Spec]:
     if elements is None:
         coarse, fine = spec.elements if isinstance(spec.elements, tuple) else (8, 16)
         elements = (coarse // 2, coarse, fine)
-    if len(elements) < 3:
+    if len(elements) < MESHES:
         text = ",".join(map(str, elements))
         raise InputError("--elements", text, "three numbers at least, to read an order from")
     return [replace(spec, elements=n) for n in elements]
 
 
+Seen = tuple[list[float], Verification]
+"""The frequencies of one mode on every mesh [Hz], and what they say."""
+
+
 @dataclass(frozen=True)
 class Refinement:
-    """A model on a ladder of meshes: `study` behind it, its `specs` and what they say.
+    """Models on ladders of meshes: the `study` behind them, and what they say in `found`.
 
-    `found` holds a `Verification` and the frequencies of every mesh by (case, model, mode from 0).
+    `found` holds what was `Seen` by (case, model, mode from 0).
     """
 
     study: Study
     ladders: tuple[tuple[Spec, ...], ...]
-    found: dict[tuple[str, str, int], tuple[list[float], Verification]]
+    found: dict[tuple[str, str, int], Seen]
 
 
 def refine(
@@ -119,48 +125,62 @@ def refine(
 ) -> Refinement:
     """Return every ladder's frequencies at every case, each mode followed by its shape."""
     study = run(cases, [spec for ladder in ladders for spec in ladder], count, done)
-    found = {}
-    for case in cases:
-        for ladder in ladders:
-            meshes = [study.get(case, spec) for spec in ladder]
-            if any(modes is None for modes in meshes):
-                continue
-            *coarser, finest = [modes for modes in meshes if modes is not None]
-            finest = finest.first(count)
-            rows = [
-                modes.frequencies[pair(finest, modes, case.mechanism, case.pose).partner]
-                for modes in coarser
-            ]
-            table = np.array([*rows, finest.frequencies])
-            elements = [spec.elements for spec in ladder if isinstance(spec.elements, int)]
-            for i in range(count):
-                values = table[:, i].tolist()
-                formal = formal_order(ladder[0])
-                found[case.name, ladder[0].name, i] = values, verify(elements, values, formal)
+    found = {
+        (case, ladder[0].name, i): seen
+        for ladder in ladders
+        for (case, i), seen in verified(study, ladder).items()
+    }
     return Refinement(study, tuple(map(tuple, ladders)), found)
+
+
+def verified(study: Study, ladder: Sequence[Spec]) -> dict[tuple[str, int], Seen]:
+    """Return what each mode's frequencies on the ladder say, by (case, mode from 0).
+
+    Modes are numbered by the finest mesh and followed by their shape; a case at which any mesh
+    failed is left out.
+    """
+    found = {}
+    for case in study.cases:
+        meshes = [study.get(case, spec) for spec in ladder]
+        if any(modes is None for modes in meshes):
+            continue
+        *coarser, finest = [modes for modes in meshes if modes is not None]
+        finest = finest.first(study.count)
+        rows = [
+            modes.frequencies[pair(finest, modes, case.mechanism, case.pose).partner]
+            for modes in coarser
+        ]
+        table = np.array([*rows, finest.frequencies])
+        elements = [spec.elements for spec in ladder if isinstance(spec.elements, int)]
+        for i in range(study.count):
+            values = table[:, i].tolist()
+            found[case.name, i] = values, verify(elements, values, formal_order(ladder[0]))
+    return found
 
 
 def refinement_tables(result: Refinement, shown: Sequence[int]) -> list[Table]:
     """Return one table a model: frequencies, observed order, limit and GCI, mode by mode."""
-    tables = []
-    for ladder in result.ladders:
-        name = ladder[0].name
-        rows: list[tuple[Cell, ...]] = []
-        for case in result.study.cases:
-            for i in shown:
-                if (case.name, name, i - 1) not in result.found:
-                    continue
-                values, seen = result.found[case.name, name, i - 1]
-                band = 100 * seen.gci / values[-1]
-                order: Cell = Number(seen.order, 2) if math.isfinite(seen.order) else "-"
-                rows.append(
-                    (case.name, f"f{i}", *(Number(v) for v in values), order,
-                     Number(seen.limit), Number(band, 4), seen.remark)
-                )  # fmt: skip
-        columns = ("Case", "Mode", *(str(spec.elements) for spec in ladder), "order",
-                   "limit [Hz]", "GCI [%]", "Remark")  # fmt: skip
-        notes = [f"formal order of {name}: {formal_order(ladder[0])}"]
-        notes += failure_notes(result.study)
-        title = f"{name}: frequencies [Hz] against elements a limb, and their limit"
-        tables.append(Table(title, columns, tuple(rows), tuple(notes)))
-    return tables
+    return [verification_table(result.study, ladder, shown) for ladder in result.ladders]
+
+
+def verification_table(study: Study, ladder: Sequence[Spec], shown: Sequence[int]) -> Table:
+    """Return the ladder's frequencies with their observed order, limit, GCI and warnings."""
+    found = verified(study, ladder)
+    rows: list[tuple[Cell, ...]] = []
+    for case in study.cases:
+        for i in shown:
+            if (case.name, i - 1) not in found:
+                continue
+            values, seen = found[case.name, i - 1]
+            band = 100 * seen.gci / values[-1]
+            order: Cell = Number(seen.order, 2) if math.isfinite(seen.order) else "-"
+            rows.append(
+                (case.name, f"f{i}", *(Number(v) for v in values), order,
+                 Number(seen.limit), Number(band, 4), seen.remark)
+            )  # fmt: skip
+    columns = ("Case", "Mode", *(str(spec.elements) for spec in ladder), "order",
+               "limit [Hz]", "GCI [%]", "Remark")  # fmt: skip
+    name = ladder[0].name
+    notes = (f"formal order of {name}: {formal_order(ladder[0])}", *failure_notes(study))
+    title = f"{name}: frequencies [Hz] against elements a limb, and their limit"
+    return Table(title, columns, tuple(rows), notes)
