@@ -32,7 +32,9 @@ COUNT = 6
 LONG = 0.5
 """A model is not run with more elements once a run took longer than this [s]."""
 SLOW, FEW = 1.0, 3
-"""A run longer than SLOW [s] is repeated FEW times at most."""
+"""A run longer than SLOW [s] is timed FEW times at most."""
+ENDLESS = 4.0
+"""A run longer than this [s] is timed once."""
 SAMPLE = 0.01
 """Shorter runs are repeated within one measurement until they fill this time [s]."""
 
@@ -122,15 +124,9 @@ def measure(
     }
     # Programs loaded by the warm-up bring threads of their own: limit them again after it.
     with threadpool_limits(1):
-        warm = {name: _warm(jobs, left_out, failures) for name, jobs in groups.items()}
+        warm = {name: warm_up(jobs, left_out, failures) for name, jobs in groups.items()}
     done("warm-up")
-    with threadpool_limits(1):
-        for k in range(repeats):
-            gc.collect()
-            for jobs in warm.values():
-                for job in jobs:
-                    job.sample(k)
-            done(f"round {k + 1}")
+    sample([job for jobs in warm.values() for job in jobs], repeats, done)
     (yard,), (floor,) = warm["yardstick"], warm["floor"]
     timed = {
         name: tuple(job.timing(floor if name == "batches" else yard) for job in jobs)
@@ -146,6 +142,16 @@ def measure(
         left_out=left_out,
         failures=failures,
     )
+
+
+def sample(jobs: Sequence["Warm"], repeats: int, done: Callable[[str], None]) -> None:
+    """Time every job once a round, one after the other, on one thread."""
+    with threadpool_limits(1):
+        for k in range(repeats):
+            gc.collect()
+            for job in jobs:
+                job.sample(k)
+            done(f"round {k + 1}")
 
 
 def growth(timings: Sequence[Timing], least: int = 1) -> list[Growth]:
@@ -249,20 +255,21 @@ def random_poses(count: int) -> Pose:
 
 
 @dataclass(frozen=True)
-class _Warm:
-    """A job that has run once, and its samples so far: round to seconds a pose.
+class Warm:
+    """A job that has run once: its `answer`, and its samples so far, round to seconds a pose.
 
     `solving`: seconds of each run that went into its eigen-solution, where it says so.
     """
 
     job: Job
     seconds: float
-    dofs: int | None
+    answer: Any
     samples: dict[int, float]
     solving: list[float]
 
     def sample(self, k: int) -> None:
-        if self.seconds > SLOW and k >= FEW:
+        """Time the job in round `k`, unless it has been timed often enough."""
+        if (self.seconds > SLOW and k >= FEW) or (self.seconds > ENDLESS and k >= 1):
             return
         number = max(1, int(SAMPLE / self.seconds))
         gc.disable()
@@ -274,22 +281,23 @@ class _Warm:
         if isinstance(answer, Modes):
             self.solving.append(answer.solve_seconds)
 
-    def timing(self, yardstick: "_Warm") -> Timing:
+    def timing(self, yardstick: "Warm") -> Timing:
+        """Return the samples, and their ratios to those of `yardstick`."""
         return Timing(
             self.job.model,
             self.job.size,
-            self.dofs,
+            self.answer.dofs if isinstance(self.answer, Modes) else None,
             float(np.median(self.solving)) if self.solving else None,
             np.array(list(self.samples.values())),
             np.array([t / yardstick.samples[k] for k, t in self.samples.items()]),
         )
 
 
-def _warm(
+def warm_up(
     jobs: Sequence[Job], left_out: dict[str, str], failures: dict[tuple[str, str], str]
-) -> list[_Warm]:
+) -> list[Warm]:
     """Run every job once, the first of each model twice; drop what fails or takes too long."""
-    warm: list[_Warm] = []
+    warm: list[Warm] = []
     started: set[str] = set()
     stopped: set[str] = set()
     for job in jobs:
@@ -308,8 +316,7 @@ def _warm(
             failures[CASE, label] = str(error)
             continue
         started.add(job.model)
-        dofs = answer.dofs if isinstance(answer, Modes) else None
-        warm.append(_Warm(job, seconds, dofs, {}, []))
+        warm.append(Warm(job, seconds, answer, {}, []))
         if job.growing and seconds > LONG:
             stopped.add(job.model)
             why = f"not beyond s={job.size}, which took {seconds:.1f} s"

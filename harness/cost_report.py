@@ -13,7 +13,7 @@ from analytic import Substructure
 from analytic.kernel import compiled
 from harness import published
 from harness.cases import PRESETS
-from harness.cost import FLOOR, YARDSTICK, Cost, Timing, growth
+from harness.cost import ENDLESS, FEW, FLOOR, SLOW, YARDSTICK, Cost, Timing, growth
 from harness.figures import COLOURS, MARKERS, figure_files
 from harness.models import PAPER_ELEMENTS
 from harness.tables import Cell, Number, Table
@@ -166,8 +166,9 @@ def _circumstances(cost: Cost) -> tuple[str, ...]:
     loop = "condensed, compiled: by numba" if compiled() else "numba is not installed"
     return (
         f"condensed: plain numpy; {loop}",
-        f"{PRESETS['case2'].name}, {cost.repeats} rounds of everything (3 of what takes over a "
-        f"second), one BLAS thread, numpy {np.__version__}, scipy {scipy.__version__}",
+        f"{PRESETS['case2'].name}, {cost.repeats} rounds of everything ({FEW} of what takes over "
+        f"{SLOW:g} s, 1 over {ENDLESS:g} s), one BLAS thread",
+        f"numpy {np.__version__}, scipy {scipy.__version__}",
     )
 
 

@@ -179,7 +179,7 @@ def test_what_is_loaded_once_ends_no_series(monkeypatch: pytest.MonkeyPatch) -> 
         study.Job("compiled", s, lambda s=s: time.sleep(naps[s].pop(0)), growing=True) for s in naps
     ]
     left_out: dict[str, str] = {}
-    warm = study._warm(jobs, left_out, {})
+    warm = study.warm_up(jobs, left_out, {})
     assert [w.job.size for w in warm] == [4, 8, 16]
     assert "not beyond s=16" in left_out["compiled"]
 
