@@ -70,7 +70,7 @@ def condensed_frequencies(
             rows = slice(first, first + CHUNK)
             some = Pose(*(np.ravel(x)[rows] for x in (poses.z, poses.azimuth, poses.tilt)))
         lengths, vectors = geometry(known, mechanism, some)
-        result[first : first + CHUNK] = _chunk(known, lengths, vectors, elements, count, loop)
+        result[first : first + CHUNK] = lowest(known, lengths, vectors, elements, count, loop)
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
 
 
@@ -84,22 +84,27 @@ def _loop(size: int, fast: bool | None) -> Loop | None:
     return loop
 
 
-def _chunk(
+def lowest(
     known: Constants,
     lengths: Floats,
     vectors: Floats,
     elements: int | None,
     count: int,
-    loop: Loop | None,
+    loop: Loop | None = None,
+    span: Floats | None = None,
 ) -> Floats:
-    """Return the lowest omega^2 (N, count), torsion of the limbs among them."""
+    """Return the lowest omega^2 (N, count) of few poses, torsion of the limbs among them.
+
+    `lengths` (N, n) and `vectors` (N, 3 n, 6) as of `geometry`; tables hold over `span`, by default
+    over `lengths`.
+    """
     n = lengths.shape[1]
     coupled = count if elements is None else min(count, 6 + n * (5 * elements - 2))
     values = np.full((len(lengths), coupled), np.inf)
     left = np.arange(len(lengths))
     level = 1 + max(0, coupled - 6) // (2 * n)
     for more in range(LEVELS):
-        problem = reduced(known, lengths[left], vectors[left], elements, level + more)
+        problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
         if problem is None:
             break
         if 6 + problem.poles.shape[1] < coupled:

@@ -178,11 +178,17 @@ class Reduced:
 
 
 def reduced(
-    known: Constants, lengths: Floats, vectors: Floats, elements: int | None, level: int
+    known: Constants,
+    lengths: Floats,
+    vectors: Floats,
+    elements: int | None,
+    level: int,
+    span: Floats | None = None,
 ) -> Reduced | None:
     """Return the problem at N poses with `level` bending modes of each kind a limb.
 
-    None where the limbs' tables would not be exact.
+    The limbs' tables hold over `span`, by default over `lengths`. None where they would not be
+    exact.
     """
     rods = known.rods
     N, n = lengths.shape
@@ -191,7 +197,8 @@ def reduced(
     poles, residues, owner = [], [], []
     for alike in known.alike:
         rod = Sections(*(value[alike[:1]] for value in vars(rods).values()))
-        modes = limb_modes(rod, lengths[:, alike], elements, level)
+        held = lengths[:, alike] if span is None else span
+        modes = limb_modes(rod, held, elements, level)
         if modes is None:
             return None
         x, c, P = modes.at(lengths[:, alike].ravel())

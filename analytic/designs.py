@@ -1,0 +1,148 @@
+"""Natural frequencies of many mechanisms a call: what `condensed_frequencies` is to poses.
+
+Frequencies of limbs of one material and diameter scale as sqrt(E / rho) / d when every length
+scales with d, masses with rho d^3 and moments of inertia with rho d^5. So every design is brought
+to rods of 1 m, 1 Pa and 1 kg/m^3: all share one rod, and its tables.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.condensed import CHUNK, lowest
+from analytic.errors import InputError, count, number
+from analytic.mechanism import Material, Mechanism, Platform, Rod
+from analytic.pose import CLOSURE
+from analytic.reduced import constants
+from analytic.theory import Theory
+
+Floats = NDArray[np.float64]
+
+SPAN = 2**1.5
+"""Longest over shortest limb that one table serves; each octave of lengths has a table."""
+
+
+@dataclass(frozen=True)
+class Designs:
+    """N mechanisms of three equal limbs 120 degrees apart, each at a pose; arrays of shape (N,).
+
+    Attributes: `z` [m], `azimuth`, `tilt` [rad] as in `Pose`; `base_radius`, `platform_radius` of
+    the points B_i and A_i, `diameter` of the rods [m]; `young` [Pa] and `density` [kg/m^3] of the
+    rods; the platform's `mass` [kg] and moments of inertia `across` (x and y) and `polar` (z)
+    [kg m^2]. Scalars stand for N equal values. Raises `InputError` for shapes that do not match,
+    numbers that are not finite, or anything but angles not above zero.
+    """
+
+    z: Floats
+    azimuth: Floats
+    tilt: Floats
+    base_radius: Floats
+    platform_radius: Floats
+    diameter: Floats
+    young: Floats
+    density: Floats
+    mass: Floats
+    across: Floats
+    polar: Floats
+
+    def __post_init__(self) -> None:
+        names = [field.name for field in fields(self)]
+        given = [np.asarray(getattr(self, name), dtype=float) for name in names]
+        try:
+            shaped = np.broadcast_arrays(*given, np.empty(1))
+        except ValueError:
+            raise InputError("Designs", [x.shape for x in given], "matching shapes") from None
+        for name, value in zip(names, shaped[:-1], strict=True):
+            bad = ~np.isfinite(value)
+            if name not in ("azimuth", "tilt"):
+                bad |= value <= 0
+            if value.ndim != 1 or bad.any():
+                wrong = value if value.ndim != 1 else value[bad][0]
+                raise InputError(f"Designs.{name}", wrong, "finite numbers above zero, shape (N,)")
+            object.__setattr__(self, name, value)
+
+    def __len__(self) -> int:
+        return len(self.z)
+
+
+def design_frequencies(
+    designs: Designs,
+    elements: int | None = None,
+    *,
+    beam: str = "euler-bernoulli",
+    shear: str | float = "cowper",
+    poisson: float = 0.3,
+    heading: float = 0.0,
+    modes: int = 6,
+) -> Floats:
+    """Return the `modes` lowest frequencies [Hz] of every design, shape (N, modes).
+
+    `elements`, `beam`, `shear` as in `condensed_frequencies`, and as exact. `poisson` is E / 2G - 1
+    of all rods, which shear and torsion need; `heading` the angle of the first limb [rad].
+    """
+    number("poisson", poisson, "a finite number")
+    count("modes", modes)
+    steel = Material(1.0, 1 / (2 * (1 + poisson)), 1.0)
+    unit = Mechanism.regular(
+        1.0, 1.0, Rod(steel, 1.0), Platform.diagonal(1.0, (1.0, 1.0, 1.0)), heading=heading
+    )
+    known = constants(unit, Theory(beam, shear))
+    lengths, vectors = _geometry(designs, known.points, known.fixed[3:])
+    result = np.empty((len(designs), modes))
+    for rows, span in _alike(lengths):
+        result[rows] = lowest(known, lengths[rows], vectors[rows], elements, modes, span=span)
+    speed = np.sqrt(designs.young / designs.density) / designs.diameter
+    return np.asarray(np.sqrt(np.maximum(result, 0)) * (speed / (2 * np.pi))[:, None])
+
+
+def _geometry(designs: Designs, out: Floats, axes: Floats) -> tuple[Floats, Floats]:
+    """Return lengths (N, 3) and vectors a_k (N, 9, 6) as `reduced.geometry`, in diameters.
+
+    `out` (3, 3) are the unit directions of the limbs' circles, `axes` (3, 3) of their joints.
+    """
+    d = designs.diameter
+    r1, r2, z = designs.base_radius / d, designs.platform_radius / d, designs.z / d
+    c, s, ct, st = (f(x) for x in (designs.azimuth, designs.tilt) for f in (np.cos, np.sin))
+    mixed = c * s * (ct - 1)
+    R = np.empty((len(d), 3, 3))
+    R[:, 0, 0], R[:, 1, 1], R[:, 2, 2] = c * c * ct + s * s, s * s * ct + c * c, ct
+    R[:, 0, 1] = R[:, 1, 0] = mixed
+    R[:, 0, 2], R[:, 1, 2] = c * st, s * st
+    R[:, 2, 0], R[:, 2, 1] = -R[:, 0, 2], -R[:, 1, 2]
+    points, y = r2[:, None, None] * out, axes @ R
+    o = np.empty((len(d), 3))
+    # As in `geometry`; the axes are tangential, so B_i . e_i = 0.
+    o[:, :2] = -(y * points).sum(axis=-1) @ np.linalg.pinv(axes[:, :2]).T
+    o[:, 2] = z
+    limbs = (o[:, None, :] - r1[:, None, None] * out) @ R + points
+    lengths = np.sqrt((limbs * limbs).sum(axis=-1))
+    if lengths.min(initial=1.0) <= CLOSURE or (abs((y * limbs).sum(axis=-1)) > 1e-6).any():
+        raise InputError("designs", "a limb", "limbs of some length, in their joints' planes")
+    along = limbs / lengths[..., None]
+    frames = np.stack([np.cross(y, along), y, along], axis=2)
+    W = np.zeros((len(d), 3, 3, 6))
+    unit = designs.density * d**3
+    W[..., :3] = np.eye(3) / np.sqrt(designs.mass / unit)[:, None, None, None]
+    moments = np.stack([designs.across, designs.across, designs.polar], axis=-1)
+    root = np.sqrt(moments / (unit * d**2)[:, None])
+    W[..., 3:] = np.cross(points[:, :, None, :], np.eye(3)) / root[:, None, None, :]
+    return lengths, (frames @ W).reshape(len(d), 9, 6)
+
+
+def _alike(lengths: Floats) -> list[tuple[NDArray[np.intp], Floats]]:
+    """Return rows in groups of at most CHUNK, and the span of lengths that holds each group.
+
+    The spans are always the same few, so that their tables are made once.
+    """
+    shortest, longest = lengths.min(axis=1), lengths.max(axis=1)
+    octave = np.floor(np.log2(shortest))
+    groups = []
+    for start in np.unique(octave):
+        own = np.flatnonzero(octave == start)
+        for first in range(0, len(own), CHUNK):
+            rows = own[first : first + CHUNK]
+            low = 2.0**start
+            high = max(low * SPAN, 2 ** np.ceil(np.log2(longest[rows].max())))
+            groups.append((rows, np.array([low, high]) * [1 + 1e-6, 1 - 1e-6]))
+    return groups
