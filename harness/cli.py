@@ -25,7 +25,7 @@ from harness.options import (
 )
 from harness.sweep_command import sweep
 from harness.tables import Cell, Number, Table
-from harness.terminal import progress, show, status, write
+from harness.terminal import finish, progress, show, status, write
 from harness.workspace_command import workspace
 from reference_models import UnavailableError, catalogue
 from reference_models.protocol import find
@@ -86,7 +86,7 @@ def table(request: Request) -> int:
     for stem, result in tables.items():
         files |= result.files(stem)
     write(folder, files)
-    return status(study.failures)
+    return finish(request.history, study)
 
 
 @cli.command()
@@ -104,15 +104,13 @@ def convergence(request: Request) -> int:
     with progress(len(against) * len(cases) * (1 + len(steps))) as done:
         results = [converge(cases, theory, steps, ref, max(shown), done) for ref in against]
     files: dict[str, bytes] = {}
-    failures: dict[tuple[str, str], str] = {}
     for result in results:
         show(*convergence_tables(result, shown))
         if folder is not None:
             stem = f"convergence-{result.reference.label}"
             files |= convergence_files(result, shown, stem)
-        failures |= result.study.failures
     write(folder, files)
-    return status(failures)
+    return finish(request.history, *(result.study for result in results))
 
 
 @cli.command()
@@ -135,7 +133,7 @@ def refine(request: Request) -> int:
     for steps, table in zip(ladders, tables, strict=True):
         files |= table.files(f"refinement-{steps[0].name}")
     write(folder, files)
-    return status(result.study.failures)
+    return finish(request.history, result.study)
 
 
 @cli.command()
@@ -159,7 +157,7 @@ def budget(request: Request) -> int:
         files |= figure_files(parts.budget_figure(result, shown), "budget")
         files |= figure_files(parts.floor_figure(result, shown), "floor")
     write(folder, files)
-    return status(result.study.failures)
+    return finish(request.history, result.study)
 
 
 @cli.command()
@@ -182,7 +180,7 @@ def slenderness(request: Request) -> int:
     if folder is not None:
         files |= figure_files(study.slenderness_figure(result, shown), "slenderness")
     write(folder, files)
-    return status({key: why for one in result.studies for key, why in one.failures.items()})
+    return finish(request.history, *result.studies)
 
 
 @cli.command()
@@ -209,7 +207,7 @@ def shapes(request: Request) -> int:
             if matrix is not None:
                 files |= figure_files(matrix, f"assurance-{case.name}-{reference.label}")
     write(folder, files)
-    return status(study.failures)
+    return finish(request.history, study)
 
 
 @cli.command()

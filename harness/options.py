@@ -1,11 +1,13 @@
 """What the command line's options mean: text to cases, models and lists of numbers."""
 
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from analytic import InputError
 from analytic.theory import BEAMS, Theory
@@ -53,6 +55,7 @@ class Request:
     model: str | None
     shear: str | None
     output: str | None
+    history: Path | None
 
     @property
     def chosen(self) -> list[Case]:
@@ -160,7 +163,7 @@ def _sizes(option: str, text: str, most: int) -> list[int]:
 
 def takes_request(command: Callable[[Request], int]) -> Callable[..., int]:
     """Give a command all the options, handed over as one `Request`."""
-    return _taking(_HELP, lambda **given: command(Request(**given)), command)
+    return _taking(_HELP, takes_history(lambda **given: command(Request(**given))), command)
 
 
 def takes_cost_request(command: Callable[[CostRequest], int]) -> Callable[..., int]:
@@ -175,6 +178,36 @@ def _taking(
     for name, (metavar, text) in reversed(options.items()):
         typed = click.option(f"--{name}", metavar=metavar, help=text)(typed)
     return typed
+
+
+def takes_history(command: Callable[..., int]) -> Callable[..., int]:
+    """Give a command the option --history, as a folder or None where no history is kept."""
+    return click.option(
+        "--history",
+        metavar="DIR",
+        envvar="RPS_BENCH_HISTORY",
+        default="history",
+        callback=lambda _context, _option, text: _history(text),
+        help="Folder of the history of runs, or none; default history, or $RPS_BENCH_HISTORY.",
+    )(command)
+
+
+def _history(text: str) -> Path | None:
+    if text == "" or Path(text).is_file():
+        raise InputError("--history", text, "the name of a folder, or none")
+    return None if text == "none" else Path(text)
+
+
+def as_typed() -> str:
+    """Return the command that runs now with its options, but for where it writes."""
+    context = click.get_current_context()
+    words = ["rps-bench", context.info_name or ""]
+    for option in context.command.params:
+        name = option.name or ""
+        source = context.get_parameter_source(name)
+        if source is ParameterSource.COMMANDLINE and name not in ("output", "history"):
+            words += [option.opts[0], str(context.params[name])]
+    return shlex.join(words)
 
 
 def folder(text: str | None) -> Path | None:

@@ -1,5 +1,6 @@
 """Runs models at cases; one failure costs its own result only."""
 
+import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from hashlib import sha256
@@ -8,8 +9,8 @@ from typing import Any
 from analytic import Modes
 from analytic.pairing import Pairing, pair
 from harness.cases import Case
-from harness.models import Spec
-from reference_models import ModelError
+from harness.models import Spec, takes_shear
+from reference_models import ModelError, names
 
 SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
@@ -59,33 +60,47 @@ def run(
 
 
 def rows(study: Study) -> list[dict[str, Any]]:
-    """Return one tidy row a case, model and mode, each with its provenance; SI units."""
+    """Return one tidy row a case, model and mode, each with its provenance; SI units.
+
+    `assurance` is that of each mode with its partner in the case's first model with an answer; None
+    for that model itself.
+    """
     result = []
     for case in study.cases:
         mechanism = sha256(repr(case.mechanism).encode()).hexdigest()[:12]
-        for spec in study.specs:
-            modes = study.get(case, spec)
-            if modes is None:
-                continue
-            for i in range(study.count):
-                uncertainty = modes.uncertainty
-                result.append(
-                    {
-                        "case": case.name,
-                        "mechanism": mechanism,
-                        "z_m": case.pose.z,
-                        "azimuth_rad": case.pose.azimuth,
-                        "tilt_rad": case.pose.tilt,
-                        "model": spec.label,
-                        "theory": modes.theory,
-                        "version": modes.version,
-                        "mode": i + 1,
-                        "frequency_hz": float(modes.frequencies[i]),
-                        "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
-                        "closure_m": modes.residual,
-                        "dofs": modes.dofs,
-                        "build_s": modes.build_seconds,
-                        "solve_s": modes.solve_seconds,
-                    }
-                )
+        answered = [spec for spec in study.specs if study.get(case, spec) is not None]
+        for spec in answered:
+            modes = study.modes[case.name, spec.label]
+            uncertainty = modes.uncertainty
+            pairing = study.pairing(case, spec, answered[0]) if spec != answered[0] else None
+            result += [
+                {
+                    "case": case.name,
+                    "mechanism": mechanism,
+                    "z_m": case.pose.z,
+                    "azimuth_rad": case.pose.azimuth,
+                    "tilt_rad": case.pose.tilt,
+                    "model": spec.label,
+                    "theory": modes.theory,
+                    "settings": settings(spec, study.count + SPARE),
+                    "version": modes.version,
+                    "mode": i + 1,
+                    "frequency_hz": float(modes.frequencies[i]),
+                    "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
+                    "assurance": None if pairing is None else float(pairing.assurance[i]),
+                    "closure_m": modes.residual,
+                    "dofs": modes.dofs,
+                    "build_s": modes.build_seconds,
+                    "solve_s": modes.solve_seconds,
+                }
+                for i in range(study.count)
+            ]
     return result
+
+
+def settings(spec: Spec, count: int) -> str:
+    """Return as JSON what a model's label leaves out: the modes solved for, its kappa if any."""
+    chosen: dict[str, Any] = {"count": count}
+    if spec.name == "timoshenko" or (spec.name in names() and takes_shear(spec.name)):
+        chosen["shear"] = spec.shear
+    return json.dumps(chosen)

@@ -14,7 +14,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-import duckdb
 import polars as pl
 
 from analytic import InputError
@@ -81,7 +80,7 @@ def append(
         pl.when(finite.is_finite()).then(finite)
     )
     content = io.BytesIO()
-    frame.write_parquet(content)
+    frame.write_parquet(content, statistics=False)
     name = f"{run}.{_checksum(content.getvalue())}.parquet"
     (path,) = write_all(folder, {name: content.getvalue()}, "--history")
     return path
@@ -98,6 +97,8 @@ class History:
     """
 
     def __init__(self, folder: Path) -> None:
+        import duckdb  # a tenth of a second that commands which only append can do without
+
         if folder.exists() and not folder.is_dir():
             raise InputError("--history", str(folder), "a folder")
         self.skipped: list[tuple[Path, str]] = []
@@ -129,6 +130,8 @@ class History:
 
         `params` fill `?`, `$1` or `$name`. Raises `InputError` for anything but one good SELECT.
         """
+        import duckdb
+
         expected = "one SELECT over the table rows"
         try:
             statements = self._base.extract_statements(sql)
@@ -140,7 +143,7 @@ class History:
             types = [_TYPES.get(str(kind)) for kind in answer.types]
             schema = list(zip(answer.columns, types, strict=True))
             return pl.DataFrame(answer.fetchall(), schema, orient="row", infer_schema_length=None)
-        except duckdb.Error as error:
+        except (duckdb.Error, pl.exceptions.DuplicateError) as error:
             reason = str(error).splitlines()[0]
             raise InputError("--sql", sql, f"{expected} ({reason})") from None
 

@@ -10,6 +10,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from harness.files import write_all
+from harness.options import as_typed
+from harness.run import Study, rows
 from harness.tables import Table
 
 
@@ -50,3 +52,22 @@ def status(failures: dict[tuple[str, str], str]) -> int:
     for (case, label), why in failures.items():
         click.echo(f"rps-bench: {label} failed at {case}: {why}", err=True)
     return 1 if failures else 0
+
+
+def finish(history: Path | None, *studies: Study) -> int:
+    """Say what failed in `studies`, append their rows to the history; return the exit status.
+
+    Comes last in a command: where the history cannot be written, nothing else is lost.
+    """
+    ended = status({key: why for study in studies for key, why in study.failures.items()})
+    # Studies of one command may share a model, whose rows differ in seconds at most: the first's.
+    found = {
+        tuple(row[name] for name in ("case", "mechanism", "model", "settings", "mode")): row
+        for study in reversed(studies)
+        for row in rows(study)
+    }
+    if history is not None and found:
+        from harness.store import append
+
+        append(history, list(found.values()), as_typed())
+    return ended

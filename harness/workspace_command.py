@@ -77,7 +77,7 @@ def workspace(
         surface_figure,
     )
 
-    request = Request(references=None, elements=None, **given)
+    request = Request(references=None, elements=None, history=None, **given)
     shown, folder = request.shown, request.folder or Path("workspace")
     spec = parse(request.model or "", "--model", request.kappa)
     cases = request.chosen if request.case_file or request.cases else select(["case1"], {})

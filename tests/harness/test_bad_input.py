@@ -84,6 +84,8 @@ COMMANDS = [
     (["cost", "--batches", "2000000"], "--batches", "'2000000'", "1 to 1000000"),
     (["cost", "--output", ""], "--output", "''", "folder"),
     (["cost", "--cases", "case1"], "--cases", "", "No such option"),
+    (["table", "--history", ""], "--history", "''", "the name of a folder, or none"),
+    (["table", "--history", __file__], "--history", "test_bad_input.py'", "the name of a folder"),
     (["table", "--colour", "red"], "--colour", "", "No such option"),
     (["workspace", "--model", "ansys"], "--model", "'ansys'", "one of euler-bernoulli"),
     (["workspace", "--modes", "0"], "--modes", "'0'", "whole numbers"),
