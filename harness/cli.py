@@ -281,7 +281,7 @@ def run_reproduce(request: Request) -> int:
         if info.missing:
             click.echo(f"  - not run: {name}: {info.missing}")
     click.echo(f"{len(written)} files in {folder}/; start with {folder / 'summary.md'}")
-    return status(result.failures)
+    return finish(request.history, *result.studies)
 
 
 cli.add_command(sweep)

@@ -17,7 +17,7 @@ from harness.compare import (
 )
 from harness.convergence import Convergence, converge, convergence_files, convergence_tables
 from harness.models import Spec, parse
-from harness.run import rows, run
+from harness.run import Study, rows, run
 from harness.summary import causes, closest_readings, summarise
 from harness.tables import Table
 
@@ -26,12 +26,12 @@ LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What was reproduced: `table1`, `files` by name, `summary` in plain words, `failures`."""
+    """What was reproduced: `table1`, `files` by name, `summary` in plain words, `studies`."""
 
     table1: Table
     files: dict[str, bytes]
     summary: list[str]
-    failures: dict[tuple[str, str], str]
+    studies: tuple[Study, ...]
 
 
 def solves(
@@ -73,7 +73,8 @@ def reproduce(
     for stem, result in curves.items():
         files |= convergence_files(result, shown, stem)
     files["summary.md"] = _page(summary, tables, curves, shown)
-    return Reproduction(tables["table1"], files, summary, study.failures | fig3.study.failures)
+    studies = (study, fig3.study, alone.study, *readings)
+    return Reproduction(tables["table1"], files, summary, studies)
 
 
 def tidy(records: list[dict[str, Any]]) -> bytes:
