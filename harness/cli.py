@@ -6,7 +6,6 @@ from pathlib import Path
 
 import click
 import numpy as np
-from rich.console import Console
 from threadpoolctl import threadpool_limits
 
 from analytic import InputError, __version__
@@ -33,22 +32,21 @@ from reference_models.protocol import find
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit status 2."""
-    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     try:
         # Small matrices on many threads are slower by orders of magnitude.
         with threadpool_limits(1):
             ended = cli(standalone_mode=False)
     except click.exceptions.Abort:
-        console.print("rps-bench: interrupted")
+        click.echo("rps-bench: interrupted", err=True)
         sys.exit(130)
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         sys.exit(2)
     except click.ClickException as error:
-        console.print(f"rps-bench: {error.format_message()}")
+        click.echo(f"rps-bench: {error.format_message()}", err=True)
         sys.exit(2)
     except (InputError, UnavailableError, OutputError) as error:
-        console.print(f"rps-bench: {error}")
+        click.echo(f"rps-bench: {error}", err=True)
         sys.exit(2)
     sys.exit(ended if isinstance(ended, int) else 0)
 

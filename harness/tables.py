@@ -3,12 +3,10 @@
 import csv
 import io
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import rich.table
-from rich.box import SIMPLE_HEAD
-from rich.console import Group
-from rich.text import Text
-from tabulate import tabulate
+if TYPE_CHECKING:
+    from rich.console import Group
 
 
 @dataclass(frozen=True)
@@ -46,6 +44,8 @@ class Table:
         ]
 
     def _tabulated(self, style: str) -> str:
+        from tabulate import tabulate
+
         sides = ["right" if numeric else "left" for numeric in self._numeric()]
         return tabulate(
             self._text(), self.columns, tablefmt=style, colalign=sides, disable_numparse=True
@@ -71,8 +71,13 @@ class Table:
             writer.writerow([c.value if isinstance(c, Number) else c for c in row])
         return text.getvalue()
 
-    def terminal(self) -> Group:
+    def terminal(self) -> "Group":
         """Return what rich prints."""
+        import rich.table
+        from rich.box import SIMPLE_HEAD
+        from rich.console import Group
+        from rich.text import Text
+
         title = Text(self.title, style="bold")
         table = rich.table.Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
         for name, numeric in zip(self.columns, self._numeric(), strict=True):

@@ -6,8 +6,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from harness.files import write_all
 from harness.options import as_typed
@@ -18,6 +16,15 @@ from harness.tables import Table
 @contextmanager
 def progress(total: int) -> Iterator[Callable[[str], None]]:
     """Show a bar on the terminal's error stream; yield what to call after each step."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
     columns = (
         TextColumn("[progress.description]{task.description:40.40}"),
         BarColumn(),
@@ -33,6 +40,8 @@ def progress(total: int) -> Iterator[Callable[[str], None]]:
 
 def show(*tables: Table) -> None:
     """Print tables with their titles and notes."""
+    from rich.console import Console
+
     # A pipe has no width of its own: leave the table as wide as it needs to be.
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 240)
     for table in tables:
