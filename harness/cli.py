@@ -12,7 +12,9 @@ from analytic import InputError, __version__
 from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
+from harness.claims_command import claims
 from harness.files import OutputError, write_all
+from harness.history_command import history
 from harness.models import MADE_FROM, SOLID_LIMB
 from harness.options import (
     STAND_IN,
@@ -25,6 +27,7 @@ from harness.options import (
 from harness.sweep_command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import finish, progress, show, status, write
+from harness.work_precision_command import precision
 from harness.workspace_command import workspace
 from reference_models import UnavailableError, catalogue
 from reference_models.protocol import find
@@ -286,3 +289,12 @@ cli.add_command(sweep)
 
 
 cli.add_command(workspace)
+
+
+cli.add_command(history)
+
+
+cli.add_command(precision)
+
+
+cli.add_command(claims)
