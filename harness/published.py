@@ -23,7 +23,8 @@ class Erratum:
     command: str
 
 
-def _text(name: str) -> str:
+def text(name: str) -> str:
+    """Return a file of results/published."""
     folder = next(folder for folder in _FOLDERS if folder.is_dir())
     return (folder / name).read_text(encoding="utf-8")
 
@@ -31,7 +32,7 @@ def _text(name: str) -> str:
 @cache
 def table1() -> dict[tuple[str, str], tuple[float, ...]]:
     """Return Table I: (case, "FEA" | "Theoretical" | "Error (%)") to f1..f6 [Hz or %]."""
-    rows = csv.DictReader(_text("table1.csv").splitlines())
+    rows = csv.DictReader(text("table1.csv").splitlines())
     return {
         (row["case"], row["method"]): tuple(float(row[f"f{i}"]) for i in range(1, 7))
         for row in rows
@@ -41,7 +42,7 @@ def table1() -> dict[tuple[str, str], tuple[float, ...]]:
 @cache
 def figure3() -> dict[tuple[str, int, int], float]:
     """Return the errors quoted for Fig. 3: (case, elements, mode) to percent."""
-    rows = csv.DictReader(_text("fig3.csv").splitlines())
+    rows = csv.DictReader(text("fig3.csv").splitlines())
     return {
         (row["case"], int(row["elements"]), int(row["mode"])): float(row["error_percent"])
         for row in rows
@@ -51,11 +52,11 @@ def figure3() -> dict[tuple[str, int, int], float]:
 @cache
 def cost() -> dict[str, float]:
     """Return what the paper says its model costs: quantity to seconds, or percent saved."""
-    rows = csv.DictReader(_text("cost.csv").splitlines())
+    rows = csv.DictReader(text("cost.csv").splitlines())
     return {row["quantity"]: float(row["value"]) for row in rows}
 
 
 @cache
 def errata() -> tuple[Erratum, ...]:
     """Return the errata list, in the order of the file."""
-    return tuple(Erratum(**entry) for entry in tomllib.loads(_text("errata.toml"))["erratum"])
+    return tuple(Erratum(**entry) for entry in tomllib.loads(text("errata.toml"))["erratum"])
