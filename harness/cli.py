@@ -13,6 +13,7 @@ from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.claims_command import claims
+from harness.dashboard_command import dashboard
 from harness.files import OutputError, write_all
 from harness.history_command import history
 from harness.models import MADE_FROM, SOLID_LIMB
@@ -298,3 +299,6 @@ cli.add_command(precision)
 
 
 cli.add_command(claims)
+
+
+cli.add_command(dashboard)

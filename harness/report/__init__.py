@@ -1,0 +1,1 @@
+"""The dashboard: one offline page, a section a file, each with its own template."""

@@ -1,0 +1,91 @@
+"""History: every frequency and timing of every recorded run, compactly."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import polars as pl
+
+from harness.report.ledger import Ledger
+from harness.report.section import Section, digits
+from harness.report.sources import Sources
+
+MOST_NUMBERS = 120_000
+"""Values kept in the page; of more, the newest runs."""
+RUN = ("run", "time", "command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
+SERIES = ["case", "model", "mechanism"]
+
+
+def section(sources: Sources, ledger: Ledger) -> Section:
+    """Return the section."""
+    title = "History"
+    if sources.points.is_empty():
+        missing = "every run records itself: `rps-bench table`, say, makes this section"
+        return Section("history", title, missing=missing)
+    runs, points = _newest(sources.runs, sources.points)
+    place = {run: k for k, run in enumerate(runs["run"])}
+    points = points.with_columns(pl.col("run").replace_strict(place).alias("place"))
+    points = points.sort("place", "mode")
+    series = [_series(group) for group in points.partition_by(SERIES, maintain_order=True)]
+    data = {"runs": _runs(runs), "series": series}
+    context = {
+        "models": sorted({one["model"] for one in series}),
+        "cases": list(dict.fromkeys(one["case"] for one in series)),
+        "shown": len(runs),
+        "all": len(sources.runs),
+        "latest": sources.runs.tail(12).reverse().to_dicts(),
+    }
+    return Section("history", title, context, data)
+
+
+def _newest(runs: pl.DataFrame, points: pl.DataFrame) -> tuple[pl.DataFrame, pl.DataFrame]:
+    """Return the newest runs that have points, as many as the page can hold."""
+    size = points.group_by("run").len("own")
+    runs = runs.join(size, on="run").sort("time", "run", descending=True)
+    runs = runs.filter((pl.col("own").cum_sum() <= MOST_NUMBERS) | (pl.col("own").cum_count() == 1))
+    runs = runs.reverse()
+    return runs, points.filter(pl.col("run").is_in(runs["run"].implode()))
+
+
+def _runs(runs: pl.DataFrame) -> dict[str, list[Any]]:
+    """Return each column of the runs as changes only."""
+    text = runs.with_columns(pl.col("time").dt.strftime("%Y-%m-%d %H:%M:%S"))
+    return {
+        name: text[name].to_list() if name in ("run", "time") else changes(text[name].to_list())
+        for name in RUN
+    }
+
+
+def _series(group: pl.DataFrame) -> dict[str, Any]:
+    """Return one model at one case: what it gave and took in each run that had it."""
+    first = group.row(0, named=True)
+    once = group.unique("place", keep="first", maintain_order=True)
+    places = once["place"].to_list()
+    frequency: dict[str, list[Any]] = {}
+    for (mode,), rows in group.partition_by("mode", as_dict=True, maintain_order=True).items():
+        known = dict(zip(rows["place"], rows["frequency_hz"], strict=True))
+        frequency[str(mode)] = changes([digits(known.get(place)) for place in places])
+    constant = {name: changes(once[name].to_list()) for name in ("version", "theory", "settings")}
+    return {
+        "case": first["case"],
+        "model": first["model"],
+        "mechanism": first["mechanism"],
+        "pose": [first["z_m"], first["azimuth_rad"], first["tilt_rad"]],
+        "at": changes([place - k for k, place in enumerate(places)]),
+        "build": [_milliseconds(value) for value in once["build_s"]],
+        "solve": [_milliseconds(value) for value in once["solve_s"]],
+        "f": frequency,
+        **constant,
+    }
+
+
+def _milliseconds(seconds: float | None) -> float | None:
+    return None if seconds is None else digits(1000 * seconds, 3)
+
+
+def changes(values: Sequence[Any]) -> list[Any]:
+    """Return [length, place, value, place, value, ...]: a value only where it is a new one."""
+    result: list[Any] = [len(values)]
+    for k, value in enumerate(values):
+        if not k or value != values[k - 1]:
+            result += [k, value]
+    return result

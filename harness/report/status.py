@@ -1,0 +1,55 @@
+"""Status: the gate, the claims, the newest run, and what could not be read."""
+
+from collections import Counter
+from typing import Any
+
+from harness.report.ledger import Ledger, environment
+from harness.report.section import Section
+from harness.report.sources import Sources
+
+VERDICTS = ("holds", "holds only if", "fails", "cannot be reproduced")
+
+
+def kind(verdict: str) -> str:
+    """Return which of `VERDICTS` a claim's verdict is; "other" for none of them."""
+    found = [one for one in VERDICTS if verdict.lower().startswith(one)]
+    return max(found, key=len, default="other")
+
+
+def section(sources: Sources, ledger: Ledger) -> Section:
+    """Return the section."""
+    counts = Counter(kind(claim.get("verdict", "")) for claim in sources.claims)
+    latest = sources.runs.tail(1).to_dicts()
+    context = {
+        "gate": _gate(sources.check),
+        "claims": [(name, counts[name]) for name in (*VERDICTS, "other") if counts[name]],
+        "latest": _newest(latest[0]) if latest else None,
+        "runs": len(sources.runs),
+        "rows": int(sources.runs["rows"].sum()) if latest else 0,
+        "skipped": sources.skipped,
+    }
+    return Section("status", "Status", context)
+
+
+def _newest(run: dict[str, Any]) -> dict[str, str]:
+    about = environment(run)
+    return {
+        "when": f"{run['time']:%Y-%m-%d %H:%M} UTC",
+        "command": run["command"],
+        "commit": about["Commit"],
+    }
+
+
+def _gate(check: dict[str, Any] | None) -> dict[str, Any] | None:
+    if check is None:
+        return None
+    findings = [one for one in check.get("findings", []) if isinstance(one, dict)]
+    names = list(dict.fromkeys(name for one in findings for name in one))
+    rows = [["" if one.get(n) is None else _short(one[n]) for n in names] for one in findings]
+    said = str(check.get("status", "not said"))
+    good = said.lower() in ("passed", "pass", "ok", "good", "green")
+    return {"status": said, "good": good, "columns": names, "rows": rows}
+
+
+def _short(value: Any) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,91 @@
+// History: what is kept is only where something changed; here it is spread out again.
+const past = read("history");
+if (past) {
+  const CONTROLS = ["case", "model", "what", "mode", "along"].map((one) => `history-${one}`);
+  const value = (one) => $(`history-${one}`).value;
+  const spread = ([length, ...pairs]) => {
+    const result = new Array(length);
+    for (let k = 0; k < pairs.length; k += 2) result.fill(pairs[k + 1], pairs[k]);
+    return result;
+  };
+  const ABOUT = ["command", "commit", "release", "machine", "python", "numpy", "scipy", "blas"];
+  const runs = Object.fromEntries(Object.entries(past.runs).map(([name, list]) =>
+    [name, name === "run" || name === "time" ? list : spread(list)]));
+  const chosen = () => past.series.filter((one) => one.case === value("case") && one.model === value("model"));
+
+  // A case may lack a model; a model has its own number of modes.
+  const refill = () => {
+    const models = [...new Set(past.series.filter((one) => one.case === value("case")).map((one) => one.model))].sort();
+    select("history-model", models.map((one) => [one, one]));
+    const modes = [...new Set(chosen().flatMap((one) => Object.keys(one.f)))].sort((a, b) => a - b);
+    select("history-mode", [["all", "all"], ...modes.map((one) => [one, `f${one}`])]);
+    $("history-mode").disabled = ["solve", "build"].includes(value("what"));
+  };
+  for (const id of CONTROLS) $(id).addEventListener("input", refill);
+  refill();
+
+  const record = (one, place, run, settings) => ({title: "", parts: [], fields: {
+    Case: one.case, Pose: `z = ${+(1000 * one.pose[0]).toFixed(6)} mm, azimuth ${+(one.pose[1] * 180 / Math.PI).toFixed(6)}°, tilt ${+(one.pose[2] * 180 / Math.PI).toFixed(6)}°`,
+    Mechanism: one.mechanism, Model: one.model, Theory: one.theories[place], Version: one.versions[place],
+    ...(settings && settings !== "{}" ? {Settings: settings} : {}),
+    Recorded: `${runs.time[run]} UTC, run ${runs.run[run]}`,
+    ...Object.fromEntries(ABOUT.slice(1).map((name) => [name[0].toUpperCase() + name.slice(1), runs[name][run]])),
+    Command: runs.command[run]}});
+
+  chart("history-chart", CONTROLS, () => {
+    const what = value("what"), time = what === "solve" || what === "build";
+    const even = value("along") === "run";
+    const found = chosen().map((one) => ({...one, runs: spread(one.at).map((gap, k) => gap + k),
+      versions: spread(one.version), theories: spread(one.theory), options: spread(one.settings)}));
+    const along = (run) => even ? run + 1 : runs.time[run];
+    const data = [], rows = [];
+    let largest = 0;
+    for (const one of found) {
+      const modes = time ? [0] : value("mode") === "all" ? Object.keys(one.f).map(Number) : [Number(value("mode"))];
+      for (const mode of modes) {
+        if (!time && !one.f[mode]) continue;
+        const raw = time ? one[what] : spread(one.f[mode]);
+        const last = raw.findLast((v) => v !== null);
+        const y = what === "change" ? raw.map((v) => v === null ? null : 1e6 * (v / last - 1)) : raw;
+        if (what === "change") largest = Math.max(largest, ...y.map(Math.abs));
+        const title = time ? `time to ${what} of ${one.model}, ${one.case}` : `f${mode} of ${one.model}, ${one.case}`;
+        const cells = y.map((v, k) => v === null ? "" : cell(
+          what === "change" ? signed(v, 4) : String(v),
+          time ? `${v} ms` : `${raw[k]} Hz`, title, record(one, k, one.runs[k], one.options[k])));
+        data.push({
+          name: time ? `${what} [ms]` : `f<sub>${mode}</sub>`, x: one.runs.map(along), y,
+          mode: y.length > 60 ? "lines" : "lines+markers", line: {color: colour(mode || 1), width: 1.4, shape: "hv"},
+          marker: {symbol: symbol(mode || 1), size: mode % 2 ? 8 : 6, color: colour(mode || 1)},
+          customdata: cells, hovertemplate: "%{x}: %{y}<extra></extra>",
+        });
+        cells.forEach((c, k) => rows.push([one.runs[k], title, c]));
+      }
+    }
+    const marks = [];
+    for (const one of found) one.runs.forEach((run, k) => {
+      if (!k) return;
+      const news = [];
+      if (one.versions[k] !== one.versions[k - 1]) news.push(one.versions[k]);
+      if (runs.release[run] !== runs.release[one.runs[k - 1]]) news.push(`rps-bench ${runs.release[run]}`);
+      if (news.length) marks.push([along(run), news.join(", ")]);
+    });
+    const unit = time ? "[ms]" : what === "change" ? "change [ppm]" : "[Hz]";
+    const layout = {
+      xaxis: {title: {text: even ? "run" : "time (UTC)"}, type: even ? "linear" : "date"},
+      yaxis: {title: {text: unit}, rangemode: time ? "tozero" : "normal",
+        ...(what === "change" && largest < 1e-6 ? {range: [-1, 1]} : {})},
+      shapes: marks.map(([x]) => ({type: "line", x0: x, x1: x, yref: "paper", y0: 0, y1: 1,
+        line: {color: css("--muted"), width: 1, dash: "dot"}})),
+      annotations: marks.map(([x, text]) => ({x, y: 1, yref: "paper", yanchor: "top", xanchor: "left",
+        text, showarrow: false, textangle: 90, font: {size: 11, color: css("--muted")}})),
+    };
+    const shown = {change: "Change of each frequency from its newest value", frequency: "Frequency",
+      solve: "Time to solve", build: "Time to build"}[what];
+    const same = what === "change" && found.length && largest === 0 ? " No run differs from the newest." : "";
+    return {data, layout,
+      caption: `${shown}: ${value("model")}, ${value("case")}, ${found.length ? Math.max(...found.map((one) => one.runs.length)) : 0} runs.${same}`,
+      numbers: () => ({head: ["Run", "What", unit],
+        rows: rows.sort((a, b) => b[0] - a[0]).slice(0, 300).map(([run, ...rest]) => [`${runs.time[run]}`, ...rest])}),
+    };
+  });
+}

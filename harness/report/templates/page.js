@@ -1,0 +1,227 @@
+"use strict";
+// What all sections share: choices, charts, tables of numbers, and where a number comes from.
+const $ = (id) => document.getElementById(id);
+const read = (key) => JSON.parse($(`data-${key}`)?.textContent ?? "null");
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const ledger = read("ledger");
+const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "hexagon"];
+const colour = (mode) => css(`--m${(mode - 1) % 6 + 1}`);
+const symbol = (mode) => SYMBOLS[(mode - 1) % 6];
+const CONFIG = {displayModeBar: false, responsive: true, displaylogo: false, topojsonURL: ""};
+const webgl = !!document.createElement("canvas").getContext("webgl");
+const sum = (list) => list.reduce((a, b) => a + b, 0);
+const range = (from, to) => Array.from({length: Math.max(0, to - from + 1)}, (_, k) => from + k);
+const signed = (value, digits) => (value > 0 ? "+" : "") + value.toFixed(digits);
+
+function element(tag, text = "", attributes = {}) {
+  const made = document.createElement(tag);
+  made.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+// A number with all its digits, what it is, and its record in the ledger.
+const cell = (text, full, what, record) => ({text, full, what, record});
+
+function ask({full, what, record}) {
+  $("record-title").textContent = what;
+  $("record-value").textContent = full;
+  const body = $("record-body");
+  body.replaceChildren();
+  const describe = (number, heading) => {
+    const {title, fields, parts} = ledger[number];
+    if (heading) body.append(element("h3", title));
+    const list = element("dl", "", {class: "fields"});
+    for (const [name, text] of Object.entries(fields)) {
+      const value = element("dd");
+      value.append(name === "Command" ? element("code", text) : text);
+      list.append(element("dt", name), value);
+    }
+    body.append(list);
+    for (const part of parts) describe(part, true);
+  };
+  if (typeof record === "object") { // made here, from what the page holds
+    ledger.push(record);
+    describe(ledger.length - 1, false);
+    ledger.pop();
+  } else describe(record, ledger[record].title !== what);
+  $("record").showModal();
+}
+
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("button.n");
+  if (button) ask(button.cell ?? {...button.dataset, record: Number(button.dataset.record)});
+});
+
+function select(id, options, chosen) {
+  const list = $(id);
+  const kept = chosen ?? list.value;
+  list.replaceChildren(...options.map(([value, text]) => element("option", text, {value})));
+  if (options.some(([value]) => String(value) === String(kept))) list.value = kept;
+}
+
+// Charts: drawn when they come near the screen, again when a choice or the theme changes.
+const charts = new Map();
+
+function chart(id, controls, make) {
+  charts.set(id, {make, near: false, listening: false});
+  for (const control of controls) $(control).addEventListener("input", () => update(id));
+  const numbers = $(`${id}-numbers`);
+  if (numbers) numbers.addEventListener("toggle", () => update(id));
+  update(id);
+}
+
+function update(id) {
+  const own = charts.get(id);
+  const {data, layout, caption, numbers, three} = own.make();
+  const caption_of = $(`${id}-caption`);
+  if (caption_of && caption) caption_of.textContent = caption;
+  if ($(`${id}-numbers`)?.open) tabulate($(`${id}-numbers`).querySelector(".scroll"), caption, numbers());
+  if (!own.near) return;
+  const place = $(id);
+  if (three && !webgl) {
+    place.classList.add("empty");
+    place.textContent = "This browser has no WebGL, which pictures in three dimensions need.";
+    return;
+  }
+  own.done = Plotly.react(place, data, themed(layout), CONFIG);
+  if (!own.listening) {
+    own.listening = true;
+    place.on("plotly_click", (event) => {
+      const known = event.points[0].customdata;
+      if (known?.what) ask(known);
+    });
+  }
+}
+
+function themed(layout) {
+  const [ink, muted, rule] = [css("--ink"), css("--muted"), css("--rule")];
+  const axis = {gridcolor: rule, linecolor: rule, zerolinecolor: css("--faint"), tickcolor: rule,
+    automargin: true, tickfont: {color: muted, size: 12}};
+  const result = {
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
+    font: {family: "system-ui, sans-serif", size: 13, color: ink},
+    margin: {l: 56, r: 12, t: 12, b: 48},
+    hoverlabel: {bgcolor: css("--panel"), bordercolor: rule, font: {color: ink}},
+    hovermode: "closest", dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
+    legend: {orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: {color: ink}},
+    ...layout,
+  };
+  for (const name of ["xaxis", "yaxis"]) result[name] = {...axis, ...layout[name]};
+  if (layout.scene) {
+    const box = {gridcolor: rule, color: muted, backgroundcolor: "rgba(0,0,0,0)", zerolinecolor: rule};
+    const scene = {...layout.scene};
+    for (const name of ["xaxis", "yaxis", "zaxis"]) scene[name] = {...box, ...scene[name]};
+    result.scene = scene;
+  }
+  if (layout.polar) {
+    const ring = {gridcolor: rule, linecolor: rule, tickcolor: rule, tickfont: {color: muted, size: 11}};
+    result.polar = {bgcolor: "rgba(0,0,0,0)", ...layout.polar,
+      radialaxis: {...ring, ...layout.polar.radialaxis},
+      angularaxis: {...ring, ...layout.polar.angularaxis}};
+  }
+  return result;
+}
+
+function tabulate(place, caption, {head, rows}) {
+  const table = element("table");
+  table.append(element("caption", caption));
+  const top = element("tr");
+  head.forEach((name, k) => top.append(element("th", name, {scope: "col", class: k ? "r" : ""})));
+  const thead = element("thead");
+  thead.append(top);
+  const body = element("tbody");
+  for (const row of rows) {
+    const line = element("tr");
+    row.forEach((one, k) => {
+      const box = element("td", "", {class: k ? "r" : ""});
+      if (one?.what) {
+        const button = element("button", one.text, {type: "button", class: "n"});
+        button.cell = one;
+        box.append(button);
+      } else box.textContent = one ?? "";
+      line.append(box);
+    });
+    body.append(line);
+  }
+  table.append(thead, body);
+  place.replaceChildren(table);
+  for (const [name, value] of [["tabindex", 0], ["role", "group"], ["aria-label", caption]])
+    place.setAttribute(name, value);
+}
+
+function draw(id) {
+  const own = charts.get(id);
+  if (own.near) return;
+  own.near = true;
+  update(id);
+}
+
+function redraw() {
+  for (const id of charts.keys()) update(id);
+}
+
+// The plotting library is in the page packed; unpacked it takes longest, so what can be read shows first.
+async function library() {
+  await new Promise((shown) => requestAnimationFrame(() => setTimeout(shown)));
+  const packed = Uint8Array.from(atob($("plotly").textContent), (letter) => letter.charCodeAt(0));
+  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  document.head.append(element("script", await new Response(unpacked).text()));
+  root.dataset.charts = "ready";
+}
+
+// Called once the plotting library is there.
+function watch() {
+  const seen = new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) {
+      seen.unobserve(entry.target);
+      draw(entry.target.id);
+    }
+  }, {rootMargin: "300px"});
+  for (const id of charts.keys()) seen.observe($(id));
+  const links = new Map([...document.querySelectorAll("nav a")].map((a) => [a.hash.slice(1), a]));
+  const current = new IntersectionObserver((entries) => {
+    for (const {target, isIntersecting} of entries) {
+      if (isIntersecting) links.get(target.id).setAttribute("aria-current", "true");
+      else links.get(target.id).removeAttribute("aria-current");
+    }
+  }, {rootMargin: "-10% 0px -85% 0px"});
+  document.querySelectorAll("main > section").forEach((one) => current.observe(one));
+}
+
+// Light or dark; on paper always light, with every chart drawn and every table open.
+const root = document.documentElement;
+function theme(name) {
+  root.dataset.theme = name;
+  $("theme").textContent = name === "dark" ? "Light" : "Dark";
+  $("theme").setAttribute("aria-label", name === "dark" ? "Light theme" : "Dark theme");
+}
+theme(root.dataset.theme);
+$("theme").addEventListener("click", () => {
+  theme(root.dataset.theme === "dark" ? "light" : "dark");
+  try { localStorage.setItem("theme", root.dataset.theme); } catch { /* not remembered */ }
+  redraw();
+});
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) => {
+  theme(event.matches ? "dark" : "light");
+  redraw();
+});
+let before = null;
+function paper(printing) {
+  if (printing === (before !== null)) return;
+  if (printing) {
+    before = {theme: root.dataset.theme, closed: [...document.querySelectorAll("details.print:not([open])")]};
+    before.closed.forEach((one) => { one.open = true; });
+    theme("light");
+    for (const own of charts.values()) own.near = true;
+  } else {
+    before.closed.forEach((one) => { one.open = false; });
+    theme(before.theme);
+    before = null;
+  }
+  redraw();
+  for (const [id, own] of charts) if (own.listening) Plotly.Plots.resize($(id));
+}
+addEventListener("beforeprint", () => paper(true));
+addEventListener("afterprint", () => paper(false));
+matchMedia("print").addEventListener("change", (event) => paper(event.matches));

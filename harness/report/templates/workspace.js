@@ -1,0 +1,119 @@
+// The workspace: one layer at a time, flat and as a surface.
+const workspace = read("workspace");
+if (workspace) {
+  const CONTROLS = ["set", "run", "model", "mode", "layer", "show", "other", "since"].map((one) => `ws-${one}`);
+  const value = (one) => $(`ws-${one}`).value;
+  const chosen = () => workspace.find((one) => one.name === value("set"));
+  const numbered = (list) => list.map((one, k) => [k, one.name]);
+
+  // What can be chosen depends on the poses, the run and the model.
+  const refill = () => {
+    const set = chosen();
+    select("ws-run", numbered(set.runs));
+    const run = set.runs[value("run")];
+    const models = Object.keys(run.models);
+    select("ws-model", models.map((one) => [one, one]));
+    const grids = set.values[run.models[value("model")].values];
+    select("ws-mode", grids.map((_, k) => [k, `f${k + 1}`]));
+    const heights = [...new Set(set.poses.map((pose) => pose[0]))].sort((a, b) => a - b);
+    select("ws-layer", heights.map((z) => [z, `${+z.toFixed(3)} mm`]));
+    select("ws-other", models.filter((one) => one !== value("model")).map((one) => [one, one]));
+    const earlier = numbered(set.runs).filter(([k]) => k > Number(value("run")));
+    select("ws-since", earlier);
+    const can = {against: models.length > 1, since: earlier.length > 0};
+    for (const option of $("ws-show").options) option.disabled = can[option.value] === false;
+    if (can[value("show")] === false) $("ws-show").value = "frequency";
+    $("ws-other").disabled = value("show") !== "against";
+    $("ws-since").disabled = value("show") !== "since";
+    $("ws-note").textContent = set.note;
+  };
+
+  const layer = () => {
+    const set = chosen();
+    const run = set.runs[value("run")];
+    const model = run.models[value("model")];
+    const show = value("show");
+    const than = show === "against" ? run.models[value("other")]
+      : show === "since" ? set.runs[value("since")].models[value("model")] : null;
+    const grid = (one) => one && set.values[one.values][value("mode")];
+    const [ours, theirs] = [grid(model), grid(than)];
+    const here = range(0, set.poses.length - 1).filter((k) => set.poses[k][0] === Number(value("layer")));
+    let points = here.map((k) => ({pose: set.poses[k], f: ours[k],
+      v: show === "frequency" ? ours[k] : theirs?.[k] ? 100 * (ours[k] / theirs[k] - 1) : null}))
+      .filter((one) => one.v !== null && one.f !== null);
+    const largest = Math.max(0, ...points.map((one) => Math.abs(one.v)));
+    const small = show !== "frequency" && largest < 0.01;
+    if (small) points = points.map((one) => ({...one, v: 1e4 * one.v}));
+    const unit = show === "frequency" ? "Hz" : small ? "ppm" : "%";
+    const what = `f${Number(value("mode")) + 1} of ${value("model")}`;
+    const compared = show === "against" ? `, error against ${value("other")} [${unit}]`
+      : show === "since" ? `, change since ${$("ws-since").selectedOptions[0].text} [${unit}]` : " [Hz]";
+    const told = show === "since" && !than ? " That run did not have this model." :
+      show === "since" ? (largest ? ` ${points.filter((one) => one.v).length} of ${points.length} poses differ.` : " No pose differs.") : "";
+    const cells = points.map(({pose, f, v}) => cell(
+      show === "frequency" ? v.toFixed(3) : signed(v, 4),
+      show === "frequency" ? `${f} Hz` : `${signed(v, 6)} ${unit} (${f} Hz)`,
+      `${what} at azimuth ${+pose[1].toFixed(2)}°, tilt ${+pose[2].toFixed(2)}°`,
+      than ? {title: "", fields: {"Made as": "100 (f / f of the other − 1), mode by mode in order"},
+        parts: [model.record, than.record]} : model.record));
+    const extent = Math.max(1e-9, ...points.map((one) => Math.abs(one.v)));
+    const scale = show === "frequency" ? {colorscale: "Viridis"}
+      : {colorscale: DIVERGING(), cmin: -extent, cmax: extent};
+    const hover = points.map(({pose, v}) =>
+      `azimuth ${+pose[1].toFixed(2)}°, tilt ${+pose[2].toFixed(2)}°<br>${v.toPrecision(6)} ${unit}`);
+    const caption = `${what}${compared} at z = ${+Number(value("layer")).toFixed(3)} mm, ` +
+      `${$("ws-run").selectedOptions[0].text}.`;
+    return {points, unit, cells, scale, hover, caption, told, compared};
+  };
+  const DIVERGING = () => [[0, "#2166ac"], [0.5, css("--rule")], [1, "#d6604d"]];
+  const small = (text) => ({title: {text, font: {size: 11}}, tickfont: {size: 10}, nticks: 5});
+  const bar = (unit) => ({title: {text: unit, side: "top"}, thickness: 12, len: 0.85, outlinewidth: 0,
+    tickfont: {color: css("--muted")}});
+
+  // Before the charts: their own listeners come after these.
+  for (const id of CONTROLS) $(id).addEventListener("input", refill);
+  refill();
+  chart("ws-map", CONTROLS, () => {
+    const {points, unit, cells, scale, hover, caption, told} = layer();
+    // Marks as large as their neighbours leave room for, on a disc of some 170 pixels.
+    const rings = new Set(points.map((one) => one.pose[2])).size;
+    const round = new Set(points.filter((one) => one.pose[2] > 0).map((one) => one.pose[1])).size;
+    const rim = Math.max(1e-9, ...points.map((one) => one.pose[2]));
+    const size = points.map(({pose}) => pose[2] === 0 ? 8 : Math.max(4, Math.min(24,
+      0.95 * 340 / (2 * rings), 0.95 * 170 * 2 * Math.PI * pose[2] / rim / round)));
+    return {
+      data: [{type: "scatterpolar", mode: "markers", r: points.map((one) => one.pose[2]),
+        theta: points.map((one) => one.pose[1]), customdata: cells, text: hover,
+        hovertemplate: "%{text}<extra></extra>",
+        marker: {size, color: points.map((one) => one.v), ...scale,
+          line: {width: 0}, showscale: true, colorbar: bar(unit)}}],
+      layout: {polar: {radialaxis: {showticklabels: false, nticks: 4, range: [0, 1.06 * rim]}, angularaxis: {ticksuffix: "°"}},
+        margin: {l: 40, r: 30, t: 24, b: 24}, showlegend: false},
+      caption: `${caption} Round the circle: azimuth; outwards: tilt, to ${+rim.toFixed(1)}°.${told}`,
+      numbers: () => ({head: ["azimuth, tilt", unit],
+        rows: points.map((one, k) => [`${+one.pose[1].toFixed(2)}°, ${+one.pose[2].toFixed(2)}°`, cells[k]])}),
+    };
+  });
+  chart("ws-surface", CONTROLS, () => {
+    const {points, unit, cells, scale, hover, caption} = layer();
+    const turn = (one) => one.pose[1] * Math.PI / 180;
+    const x = points.map((one) => one.pose[2] * Math.cos(turn(one)));
+    const y = points.map((one) => one.pose[2] * Math.sin(turn(one)));
+    const z = points.map((one) => one.v);
+    const {cmin, cmax, colorscale} = scale;
+    return {
+      three: true,
+      data: [
+        {type: "mesh3d", x, y, z, intensity: z, delaunayaxis: "z", colorscale, cmin, cmax, showscale: false,
+          hoverinfo: "skip", flatshading: false, lighting: {ambient: 0.75, diffuse: 0.5, specular: 0.05}},
+        {type: "scatter3d", mode: "markers", x, y, z, text: hover, customdata: cells,
+          hovertemplate: "%{text}<extra></extra>", marker: {size: points.length > 200 ? 1.5 : 3, color: css("--ink"), opacity: 0.35}},
+      ],
+      layout: {margin: {l: 0, r: 0, t: 0, b: 0}, showlegend: false, uirevision: "stay",
+        scene: {aspectmode: "manual", aspectratio: {x: 1, y: 1, z: 0.7}, dragmode: "turntable",
+          camera: {eye: {x: 1.4, y: -1.4, z: 0.8}},
+          xaxis: small("tilt · cos azimuth [°]"), yaxis: small("tilt · sin azimuth [°]"), zaxis: small(unit)}},
+      caption: `The same as a surface: ${caption}`,
+    };
+  });
+}
