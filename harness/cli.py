@@ -1,5 +1,7 @@
 """The command line: options to objects, results to the terminal and to files."""
 
+import atexit
+import gc
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -32,6 +34,9 @@ from harness.work_precision_command import precision
 from harness.workspace_command import workspace
 from reference_models import UnavailableError, catalogue
 from reference_models.protocol import find
+
+# The interpreter would search all that was loaded for garbage: a tenth of a second.
+atexit.register(gc.freeze)
 
 
 def main() -> None:
