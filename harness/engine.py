@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from queue import SimpleQueue
-from threading import Lock
+from threading import Semaphore
 from time import monotonic
 from typing import Any, Protocol, TypeVar
 
@@ -14,8 +14,10 @@ from analytic import InputError
 from harness.child import Children, answer
 from harness.jobs import Failure, Task
 
+HERE = 2
+"""Analytic tasks at once in this process, on threads: numpy lets other threads run meanwhile."""
 START = 0.5
-"""Seconds of analytic work before another process is started for it."""
+"""Seconds of analytic work before a process is started for what exceeds that."""
 T = TypeVar("T", bound=Task)
 
 AHEAD = 3
@@ -68,7 +70,7 @@ def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
 class Local:
     """All cores of this machine. Simulators run in processes of their own, which may die.
 
-    An analytic task runs in this process if none does: it is ready at once. The others wait for
+    `HERE` analytic tasks at a time run in this process: it is ready at once. The others wait for
     that at first, for a process of their own takes longer to start than a small sweep to end.
     """
 
@@ -76,7 +78,7 @@ class Local:
         self.cores = cores
         self._patience = patience
         self._children = Children()
-        self._here = Lock()
+        self._here = Semaphore(HERE)
         self._began = monotonic()
         self._threads = ThreadPoolExecutor(cores)
 

@@ -1,8 +1,8 @@
 """Long tables on disk: written frame by frame, there whole or not at all."""
 
 import os
-import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import polars as pl
@@ -18,7 +18,7 @@ def write_frames(
     folder: Path, name: str, frames: Iterator[pl.DataFrame], schema: Mapping[str, DataTypeClass]
 ) -> Path:
     """Write `frames` as NAME.parquet or NAME.csv, by the suffix of `name`; the same bytes for the
-    same rows, in memory for one frame after the other.
+    same rows, in memory for one frame after the other. One writer at a time for a `name`.
 
     Raises `OutputError` with the reason, leaving what was there before.
     """
@@ -34,11 +34,9 @@ def write_frames(
             broken.append(error)
             raise
 
-    temporary = None
+    # Always the same name: what a killed process left behind is overwritten, not kept.
+    temporary = folder / f".{name}.part"
     try:
-        handle, made = tempfile.mkstemp(dir=folder, prefix=f".{name}.", suffix=target.suffix)
-        os.close(handle)
-        temporary = Path(made)
         table = register_io_source(source, schema=dict(schema))
         if target.suffix == ".parquet":
             table.sink_parquet(temporary, row_group_size=ROW_GROUP, maintain_order=True)
@@ -46,7 +44,6 @@ def write_frames(
             table.sink_csv(temporary, maintain_order=True)
         with temporary.open("rb") as file:
             os.fsync(file.fileno())
-        temporary.chmod(0o644)
         temporary.replace(target)
     except (OSError, pl.exceptions.PolarsError) as error:
         if broken:
@@ -54,6 +51,6 @@ def write_frames(
         reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
         raise OutputError(f"--output = {str(folder)!r}: cannot write there ({reason})") from None
     finally:
-        if temporary is not None:
+        with suppress(OSError):
             temporary.unlink(missing_ok=True)
     return target

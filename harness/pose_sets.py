@@ -12,7 +12,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-import polars as pl
 from numpy.typing import NDArray
 
 from analytic import InputError, Mechanism, Pose, position
@@ -159,6 +158,8 @@ def _scaled(z: Floats, azimuth: Floats, tilt: Floats) -> Pose:
 
 
 def _file(path: Path) -> Pose:
+    import polars as pl  # a third of a second
+
     read = pl.read_csv if path.suffix == ".csv" else pl.read_parquet
     try:
         frame = read(path)

@@ -1,19 +1,15 @@
 """A sweep: any set of poses by any models; finished jobs are kept, rows come from them alone."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
-from hashlib import sha256
-from pathlib import Path
+from threading import Condition
 from time import perf_counter
-
-import numpy as np
-import polars as pl
-from numpy.typing import NDArray
+from typing import Self
 
 from analytic import Mechanism, Pose
 from analytic.condensed import CHUNK
 from harness.engine import Engine, run
-from harness.frames import write_frames
 from harness.jobs import BATCH, Answer, Failure, Job, jobs
 from harness.journal import Journal
 from harness.models import Spec
@@ -21,22 +17,6 @@ from harness.tables import Cell, Number, Table
 
 FAILURES_SHOWN = 3
 """Poses named for each reason of failure."""
-
-ROWS = {
-    "pose": pl.Int64,
-    "z_m": pl.Float64,
-    "azimuth_rad": pl.Float64,
-    "tilt_rad": pl.Float64,
-    "mechanism": pl.String,
-    "model": pl.String,
-    "theory": pl.String,
-    "version": pl.String,
-    "mode": pl.Int64,
-    "frequency_hz": pl.Float64,
-    "uncertainty_hz": pl.Float64,
-    "closure_m": pl.Float64,
-    "dofs": pl.Int64,
-}
 
 
 @dataclass(frozen=True)
@@ -69,20 +49,59 @@ class Sweep:
         return total, finished, left
 
 
+class Finished:
+    """Which blocks of poses are finished, for a thread that reads them while others are solved.
+
+    As a context it says, where it is left before all are, that no more will be.
+    """
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._left = {
+            (spec, start): stop - start for spec in sweep.specs for start, stop in sweep.blocks()
+        }
+        self._over = False
+        self._changed = Condition()
+
+    def tell(self, job: Job) -> None:
+        """Take in a finished job, with or without an answer."""
+        with self._changed:
+            self._left[job.spec, job.start // BATCH * BATCH] -= len(job.poses)
+            self._changed.notify_all()
+
+    def wait(self, spec: Spec, start: int) -> None:
+        """Return when the block from `start` on is finished; raises `CancelledError` if never."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._over or not self._left[spec, start])
+            if self._left[spec, start]:
+                raise CancelledError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        with self._changed:
+            self._over = True
+            self._changed.notify_all()
+
+
 Failures = dict[tuple[str, str], list[int]]
 """Numbers of the poses without an answer, by model and reason."""
 
 
 def complete(
-    sweep: Sweep, journal: Journal, engine: Engine, tell: Callable[[Spec, int], None]
+    sweep: Sweep, journal: Journal, engine: Engine, listeners: Sequence[Callable[[Job], None]]
 ) -> Failures:
-    """Run what is not in the journal; `tell` hears of each finished job's model and poses."""
+    """Run what is not in the journal; `listeners` hear of each finished job."""
+
+    def tell(job: Job) -> None:
+        for listener in listeners:
+            listener(job)
 
     def missing() -> Iterator[Job]:
         for spec in sweep.specs:
             for job in sweep.jobs(spec):
                 if job in journal:
-                    tell(spec, len(job.poses))
+                    tell(job)
                 else:
                     yield job
 
@@ -93,7 +112,7 @@ def complete(
             failures.setdefault((job.spec.label, result.reason), []).extend(numbers)
         else:
             journal.put(job, result)
-        tell(job.spec, len(job.poses))
+        tell(job)
     return {key: sorted(numbers) for key, numbers in sorted(failures.items())}
 
 
@@ -117,64 +136,6 @@ def answers(
         answer = journal.get(job)
         if answer is not None:
             yield job, answer
-
-
-def export(sweep: Sweep, journal: Journal, modes: list[int], folder: Path, suffix: str) -> Path:
-    """Write one row a pose, model and mode into `folder`; SI units; flat in memory."""
-    mechanism = sha256(repr(sweep.mechanism).encode()).hexdigest()[:12]
-
-    def frames() -> Iterator[pl.DataFrame]:
-        for spec in sweep.specs:
-            for start, stop in sweep.blocks():
-                found = list(answers(sweep, journal, spec, start, stop))
-                if found:
-                    yield _frame(spec, mechanism, found, np.array(modes))
-
-    return write_frames(folder, f"frequencies.{suffix}", frames(), ROWS)
-
-
-def _frame(
-    spec: Spec, mechanism: str, found: list[tuple[Job, Answer]], modes: NDArray[np.int64]
-) -> pl.DataFrame:
-    sizes = [len(job.poses) for job, _ in found]
-    each = np.repeat(np.arange(len(found)), sizes)
-    poses = [job.poses for job, _ in found]
-    m = len(modes)
-
-    def by_mode(values: list[NDArray[np.float64] | None]) -> NDArray[np.float64]:
-        filled = [
-            np.full((n, m), np.nan) if value is None else value[:, modes - 1]
-            for n, value in zip(sizes, values, strict=True)
-        ]
-        return np.concatenate(filled).ravel()
-
-    numbers = np.concatenate([np.arange(job.start + 1, job.start + 1 + n)
-                              for (job, _), n in zip(found, sizes, strict=True)])  # fmt: skip
-    frame = pl.DataFrame(
-        {
-            "pose": np.repeat(numbers, m),
-            "z_m": np.repeat(np.concatenate([p.z for p in poses]), m),
-            "azimuth_rad": np.repeat(np.concatenate([p.azimuth for p in poses]), m),
-            "tilt_rad": np.repeat(np.concatenate([p.tilt for p in poses]), m),
-            "mode": np.tile(modes, len(numbers)),
-            "frequency_hz": by_mode([a.frequencies for _, a in found]),
-            "uncertainty_hz": by_mode([a.uncertainty for _, a in found]),
-        }
-    )
-    of_job = pl.DataFrame(
-        {
-            "mechanism": mechanism,
-            "model": spec.label,
-            "theory": [a.theory for _, a in found],
-            "version": [job.version for job, _ in found],
-            "closure_m": [a.closure for _, a in found],
-            "dofs": [a.dofs or None for _, a in found],
-        },
-        schema={name: ROWS[name] for name in
-                ("mechanism", "model", "theory", "version", "closure_m", "dofs")},
-    )  # fmt: skip
-    frame = frame.with_columns(pl.col("uncertainty_hz").fill_nan(None))
-    return frame.hstack(of_job[np.repeat(each, m)]).select(list(ROWS))
 
 
 def timing_table(sweep: Sweep, journal: Journal) -> Table:

@@ -3,30 +3,20 @@
 import os
 import shlex
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
 from analytic import InputError
 from analytic.errors import number
 from harness.case_file import load_cases
 from harness.cases import select
 from harness.files import write_all
-from harness.models import Spec, parse
+from harness.models import parse
 from harness.options import MOST_MODES, numbers, shear_coefficient, split
 from harness.tables import Cell, Number, Table
 from harness.terminal import show
@@ -34,7 +24,7 @@ from harness.terminal import show
 if TYPE_CHECKING:  # imported where they are used: other commands need not wait for them
     from harness.engine import Engine
     from harness.journal import Journal
-    from harness.sweep import Sweep
+    from harness.sweep import Finished, Sweep
 
 MOST_CORES = 4096
 SETS = (
@@ -81,10 +71,10 @@ def sweep(
     Finished jobs are kept in --output: the same command again computes only what is missing.
     """
     from harness.engine import Patience, engine
-    from harness.error_map import compare, error_table, worst_table
     from harness.journal import NAME, Journal
     from harness.pose_sets import pose_set
-    from harness.sweep import Sweep, complete, export, failure_table, timing_table
+    from harness.sweep import Finished, Sweep, complete, failure_table, timing_table
+    from harness.sweep_progress import progress
 
     kappa = shear_coefficient(shear)
     specs = [parse(name, "--models", kappa) for name in split("--models", models)]
@@ -121,11 +111,15 @@ def sweep(
         if dry_run:
             show(_dry_run(study, journal, cluster))
             return 0
-        with _progress(study) as tell:
-            failures = complete(study, journal, cluster, tell)
-        written = [export(study, journal, shown, folder, form)]
+        finished = Finished(study)
+        with ThreadPoolExecutor(1) as writer, progress(study) as bar, finished:
+            rows = writer.submit(_write, study, journal, finished, shown, folder, form)
+            failures = complete(study, journal, cluster, (bar, finished.tell))
+        written = [rows.result()]
         tables = {"timing": timing_table(study, journal)}
         if reference is not None:
+            from harness.error_map import compare, error_table, worst_table
+
             gathered = compare(study, journal, reference, shown, folder, form)
             written.append(folder / f"errors.{form}")
             tables["errors"] = error_table(gathered, reference)
@@ -141,6 +135,23 @@ def sweep(
             for path in written:
                 click.echo(f"wrote {path}")
     return 1 if failures else 0
+
+
+def _write(
+    study: "Sweep",
+    journal: "Journal",
+    finished: "Finished",
+    modes: list[int],
+    folder: Path,
+    form: str,
+) -> Path:
+    """Write the rows while models run; the libraries for that take as long to load as to use."""
+    import rich.table  # noqa: F401
+    import tabulate  # noqa: F401
+
+    from harness.sweep_rows import export
+
+    return export(study, journal, finished, modes, folder, form)
 
 
 def _cores() -> int:
@@ -169,40 +180,6 @@ def _folder(output: str | None) -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory() as folder:
         yield Path(folder)
-
-
-class _Rate(ProgressColumn):
-    """Poses a second."""
-
-    def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text("" if speed is None else f"{speed:,.1f} poses/s")
-
-
-@contextmanager
-def _progress(study: "Sweep") -> Iterator[Callable[[Spec, int], None]]:
-    """Show a bar for each model on the terminal's error stream."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        _Rate(),
-        TimeRemainingColumn(),
-    )
-    console = Console(stderr=True)
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        tasks = {
-            spec: bar.add_task(spec.label, total=len(study.poses), start=False)
-            for spec in study.specs
-        }
-
-        def tell(spec: Spec, poses: int) -> None:
-            bar.start_task(tasks[spec])
-            bar.update(tasks[spec], advance=poses)
-
-        yield tell
 
 
 def _dry_run(study: "Sweep", journal: "Journal", cluster: "Engine") -> Table:
