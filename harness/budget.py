@@ -13,13 +13,16 @@ from analytic.theory import BEAMS
 from harness.cases import Case
 from harness.compare import case_notes, failure_notes, pairing_notes
 from harness.figures import COLOURS, MARKERS
-from harness.models import Spec
+from harness.models import Spec, parse
 from harness.run import Study, run
 from harness.tables import Cell, Number, Table
+from harness.ways import theory_of
+from reference_models.protocol import find
 
 Array = NDArray[np.float64]
 CHAIN = ("euler-bernoulli", "rayleigh", "timoshenko")
 """Beam theories from the poorest to the richest; each adds one effect."""
+RIGID, AVERAGED = "3-D elasticity, rigid end faces", "ngsolve-averaged"
 EFFECTS = {
     ("euler-bernoulli", "rayleigh"): "rotary inertia",
     ("rayleigh", "timoshenko"): "shear",
@@ -33,7 +36,8 @@ class Budget:
     Attributes: `study` behind it; `theory`, whatever its elements; `reference`; `elements` s;
     `parts`, their names in order; `shares` by case name, shape (len(elements), len(parts), count)
     [percentage points of the reference's frequency], whose sum over the parts is the error;
-    `uncertainty` of the reference itself by case name, shape (count,) [%], NaN where not estimated.
+    `uncertainty` by case name and simulator on the way, the reference last, shape (count,) [%], NaN
+    where not estimated.
     """
 
     study: Study
@@ -42,13 +46,24 @@ class Budget:
     elements: tuple[int, ...]
     parts: tuple[str, ...]
     shares: dict[str, Array]
-    uncertainty: dict[str, Array]
+    uncertainty: dict[str, dict[str, Array]]
     notes: tuple[str, ...]
 
 
 def exact_chain(theory: Spec) -> list[Spec]:
     """Return the exact models from the theory's own to Timoshenko's."""
     return [replace(theory, name=n, elements=None) for n in CHAIN[CHAIN.index(theory.name) :]]
+
+
+def between(reference: Spec) -> list[Spec]:
+    """Return the solid that parts three-dimensional effects from end faces, where it can run.
+
+    A solid reference holds its end faces rigid; the one between lets them warp.
+    """
+    theory = "" if reference.analytic else theory_of(reference)
+    if theory != RIGID or find(AVERAGED).info().missing:
+        return []
+    return [parse(AVERAGED, "reference")]
 
 
 def budget(
@@ -62,37 +77,39 @@ def budget(
     """Return the budget of `theory` with each of `elements` against `reference`.
 
     A part is 100 (f_a - f_b) / f_reference between neighbours of the chain: theory with s elements,
-    theory without, each richer beam theory without, reference. Every mode is followed by its shape.
+    theory without, each richer beam theory without, for solids one with warping end faces,
+    reference. Every mode is followed by its shape.
     """
-    chain = exact_chain(theory)
+    chain, solids = exact_chain(theory), between(reference)
     meshes = [replace(theory, elements=s) for s in elements]
-    study = run(cases, [reference, *chain, *meshes], count, done)
+    study = run(cases, [reference, *solids, *chain, *meshes], count, done)
     effects = [EFFECTS[a.name, b.name] for a, b in pairwise(chain)]
-    parts = ("number of elements", *effects, f"{BEAMS[chain[-1].name]} to reference")
+    last = ["three-dimensional effects", "rigid end faces"]
+    if not solids:
+        last = [f"{BEAMS[chain[-1].name]} to reference"]
+    parts = ("number of elements", *effects, *last)
     shares, uncertainty, notes = {}, {}, []
     for case in cases:
-        against = study.get(case, reference)
-        if against is None:
+        if any(study.get(case, spec) is None for spec in (reference, *solids)):
             continue
         table = np.empty((len(meshes), len(parts), count))
         for k, mesh in enumerate(meshes):
             start = study.modes[case.name, mesh.label].first(count)
             values = [start.frequencies]
-            for spec in (*chain, reference):
+            own: dict[str, Array] = {}
+            for spec in (*chain, *solids, reference):
                 modes = study.modes[case.name, spec.label]
                 partner = pair(start, modes, case.mechanism, case.pose).partner
                 values.append(modes.frequencies[partner])
+                if modes.uncertainty is not None:
+                    own[spec.label] = 100 * modes.uncertainty[partner] / values[-1]
             table[k] = -100 * np.diff(np.array(values), axis=0) / values[-1]
             pairing = study.pairing(case, mesh, reference)
             assert pairing is not None, "both have an answer"
             notes += pairing_notes(case, mesh, reference, pairing, range(count))
         shares[case.name] = table
-        own = against.uncertainty
-        uncertainty[case.name] = (
-            np.full(count, np.nan)
-            if own is None
-            else 100 * own[partner] / against.frequencies[partner]
-        )
+        own.setdefault(reference.label, np.full(count, np.nan))
+        uncertainty[case.name] = own
     notes += failure_notes(study)
     return Budget(
         study, theory, reference, tuple(elements), parts, shares, uncertainty, tuple(notes)
@@ -112,11 +129,14 @@ def budget_table(result: Budget, shown: Sequence[int]) -> Table:
             rows.append(
                 (case.name, s, "total error", *(Number(total[i - 1], 3, True) for i in shown))
             )
-        own = result.uncertainty[case.name]
-        cells = ["not known" if np.isnan(own[i - 1]) else Number(own[i - 1], 3) for i in shown]
-        rows.append((case.name, "", "reference's own, +-", *cells))
+        for label, own in result.uncertainty[case.name].items():
+            cells = ["not known" if np.isnan(own[i - 1]) else Number(own[i - 1], 3) for i in shown]
+            whose = "reference's" if label == result.reference.label else f"{label}'s"
+            rows.append((case.name, "", f"{whose} own, +-", *cells))
     title = f"Error of {result.theory.name}@s against {result.reference.label}, by cause [points]"
     notes = (*result.notes, *case_notes(result.study.cases))
+    if "rigid end faces" in result.parts:
+        notes = (f"end faces: {AVERAGED} lets them warp, {result.reference.name} does not", *notes)
     return Table(title, ("Case", "s", "Part", *(f"f{i}" for i in shown)), tuple(rows), notes)
 
 
@@ -139,7 +159,7 @@ def budget_figure(result: Budget, shown: Sequence[int]) -> Figure:
             for x, top in zip(where, up, strict=True):
                 axes.annotate(f"{result.elements[k]}", (x, top), xytext=(0, 2), ha="center",
                               textcoords="offset points", fontsize=7)  # fmt: skip
-        own = result.uncertainty[case.name][[i - 1 for i in shown]]
+        own = result.uncertainty[case.name][result.reference.label][[i - 1 for i in shown]]
         total = result.shares[case.name][-1].sum(axis=0)[[i - 1 for i in shown]]
         axes.errorbar(where + 0.75 * width, total, own, fmt="none", ecolor="0.3", capsize=2)
         axes.set_xticks(range(len(shown)), [f"$f_{{{i}}}$" for i in shown])

@@ -1,4 +1,4 @@
-"""`rps-bench precision`: time against error, and the cheapest way to a precision."""
+"""`rps-bench work-precision`: time against error, and the cheapest way to a precision."""
 
 import click
 
@@ -18,7 +18,7 @@ def solid_truth() -> Spec | None:
     return None if name is None else parse(name, "--truth")
 
 
-@click.command()
+@click.command(name="work-precision")
 @click.option("--cases", metavar="CASE,CASE", help="Cases by name; default case1,case2.")
 @click.option("--case-file", metavar="FILE", help="TOML file with cases of your own.")
 @click.option("--elements", metavar="S,S", help="Elements of beams; default 1,2,3,4,8,16,32.")
