@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from analytic.errors import InputError
 from analytic.mechanism import Mechanism, Platform, Rod
@@ -166,7 +166,7 @@ def rod_axes(mechanism: Mechanism, o: Array, R: Array) -> list[Axis]:
 
 def add_rigid_nodes(exu: Any, mbs: Any, points: Array, rotation: Array) -> list[int]:
     """Add nodes with a position and Euler parameters, which know no singular direction."""
-    parameters = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
+    parameters = scipy.spatial.transform.Rotation.from_matrix(rotation).as_quat(scalar_first=True)
     make = exu.itemInterface.NodeRigidBodyEP
     return [mbs.AddNode(make(referenceCoordinates=[*point, *parameters])) for point in points]
 

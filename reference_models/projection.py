@@ -1,10 +1,10 @@
 """Linearised dynamics under joint constraints: project, exactly, on what they leave free."""
 
+from __future__ import annotations  # scipy loads its parts when they are first used
+
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from analytic.modes import check_count
 
@@ -49,7 +49,7 @@ def _lowest(K: Array, M: Array, count: int) -> tuple[Array, Array]:
     return 1 / mu[::-1], (x / np.sqrt(mu))[:, ::-1]
 
 
-def null_space(J: Array) -> sp.csr_array:
+def null_space(J: Array) -> scipy.sparse.csr_array:
     """Return an orthonormal basis of J's null space, (N, N - rank), by singular values.
 
     A constraint couples few coordinates, so J falls into small blocks (a joint with the bodies it
@@ -60,8 +60,8 @@ def null_space(J: Array) -> sp.csr_array:
     size = np.linalg.norm(J, axis=1)
     real = size > NOISE * size.max(initial=0.0)
     rows = J[real] / size[real, None]
-    coupled = sp.csr_array(rows != 0, dtype=float)
-    _, block_of = connected_components(coupled.T @ coupled, directed=False)
+    coupled = scipy.sparse.csr_array(rows != 0, dtype=float)
+    _, block_of = scipy.sparse.csgraph.connected_components(coupled.T @ coupled, directed=False)
     columns, first_column, width = _grouped(block_of, block_of.max() + 1)
     chosen, first_row, height = _grouped(block_of[(rows != 0).argmax(axis=1)], len(width))
 
@@ -79,7 +79,9 @@ def null_space(J: Array) -> sp.csr_array:
         entries.append(V[null].ravel())
         found += len(block)
     at = tuple(np.concatenate(index) for index in zip(*where, strict=True))
-    return sp.csr_array(sp.coo_array((np.concatenate(entries), at), shape=(J.shape[1], found)))
+    return scipy.sparse.csr_array(
+        scipy.sparse.coo_array((np.concatenate(entries), at), shape=(J.shape[1], found))
+    )
 
 
 def _grouped(
