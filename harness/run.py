@@ -1,7 +1,9 @@
 """Runs models at cases; one failure costs its own result only."""
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
@@ -14,6 +16,19 @@ from reference_models import ModelError, names
 
 SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
+
+
+_kept: ContextVar[dict[Any, Modes] | None] = ContextVar("kept", default=None)
+
+
+@contextmanager
+def keeping() -> Iterator[None]:
+    """Keep every answer while this lasts: no model solves the same case twice."""
+    token = _kept.set({})
+    try:
+        yield
+    finally:
+        _kept.reset(token)
 
 
 @dataclass(frozen=True)
@@ -47,12 +62,17 @@ def run(
     """Solve every case by every model; `done` hears of each. Raises for a pose out of reach."""
     cases, specs = tuple(cases), tuple(dict.fromkeys(specs))
     modes, failures = {}, {}
+    kept = _kept.get()
+    known = {} if kept is None else kept
     for spec in specs:
         model = spec.build()
         for case in cases:
             key = (case.name, spec.label)
+            asked = (spec, case.mechanism, case.pose, count)
             try:
-                modes[key] = model.modes(case.mechanism, case.pose, count + SPARE)
+                if asked not in known:
+                    known[asked] = model.modes(case.mechanism, case.pose, count + SPARE)
+                modes[key] = known[asked]
             except ModelError as error:
                 failures[key] = str(error)
             done(f"{spec.label} at {case.name}")

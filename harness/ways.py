@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 COUNT = 6
 BATCH = 100
 """Poses a call of the ways that take many at once."""
+TRUTHS = ("calculix-solid", "ngsolve-solid")
 EXTRA = 2 * SPARE
 """Modes solved for beyond COUNT, as extrapolation needs them."""
 
@@ -45,6 +46,12 @@ def theory_of(spec: Spec) -> str:
     named = next((name for name, words in BEAMS.items() if theory == words), None)
     # What follows a second comma approximates the same solid: so many modes of a limb kept.
     return named or ",".join(theory.split(",")[:2])
+
+
+def solid_truth() -> Spec | None:
+    """Return the solid model that stands for the truth: the first of TRUTHS that can run here."""
+    name = next((name for name in TRUTHS if not find(name).info().missing), None)
+    return None if name is None else parse(name, "truth")
 
 
 def every_way(steps: Sequence[int], references: Sequence[str]) -> tuple[list[Way], dict[str, str]]:

@@ -2,21 +2,9 @@
 
 import click
 
-from harness.models import Spec, parse
+from harness.models import parse
 from harness.options import CostRequest, Request
 from harness.terminal import progress, show, status, write
-
-TRUTHS = ("calculix-solid", "ngsolve-solid")
-"""What 3-D errors are taken against: the first of these that can run here."""
-
-
-def solid_truth() -> Spec | None:
-    """Return the solid model that stands for the truth, or None where none can run."""
-    from reference_models.protocol import find
-
-    name = next((name for name in TRUTHS if not find(name).info().missing), None)
-    return None if name is None else parse(name, "--truth")
-
 
 @click.command(name="work-precision")
 @click.option("--cases", metavar="CASE,CASE", help="Cases by name; default case1,case2.")
@@ -41,6 +29,7 @@ def precision(
     the model's own theory and once against 3-D solids. Ends with the cheapest way to 1, 0.1 and
     0.01 %.
     """
+    from harness.ways import solid_truth
     from harness.work_precision import STEPS, truths, work_precision
     from harness.work_precision_report import precision_files, precision_tables
 
