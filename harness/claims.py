@@ -9,6 +9,10 @@ from harness.claims_data import KINDS, Claim, Finding, rules
 from harness.claims_facts import Facts
 from harness.tables import Table
 
+COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
+SHORT = ("id", "quoted", "measured", "uncertainty", "verdict")
+"""The columns of a long list in the terminal."""
+
 
 @dataclass(frozen=True)
 class Checked:
@@ -57,13 +61,11 @@ def judge(
     return found, unchecked
 
 
-def claims_table(found: Sequence[Checked], unchecked: Mapping[str, str]) -> Table:
+def claims_table(
+    found: Sequence[Checked], unchecked: Mapping[str, str], columns: Sequence[str] = COLUMNS
+) -> Table:
     """Return one row a claim, with how many verdicts of each kind there are."""
-    rows = tuple(
-        (c.claim.id, c.claim.section, c.claim.quoted, c.finding.measured, c.finding.uncertainty,
-         c.finding.verdict, c.claim.command)
-        for c in found
-    )  # fmt: skip
+    rows = tuple(tuple(checked.row()[name] for name in columns) for checked in found)
     kinds = [checked.finding.kind for checked in found]
     limits = rules()
     notes = [
@@ -74,8 +76,8 @@ def claims_table(found: Sequence[Checked], unchecked: Mapping[str, str]) -> Tabl
         "the error that the paper itself calls acceptable",
         *(f"not checked: {name}: {why}" for name, why in unchecked.items()),
     ]
-    columns = ("Id", "Section", "Quoted", "Measured", "Uncertainty", "Verdict", "Command")
-    return Table("Claims of the paper", columns, rows, tuple(notes))
+    heads = tuple(name.capitalize() for name in columns)
+    return Table("Claims of the paper", heads, rows, tuple(notes))
 
 
 def claims_json(found: Sequence[Checked]) -> str:

@@ -4,12 +4,7 @@ import numpy as np
 
 from harness.claims_check_printed import EDGE
 from harness.claims_data import CANNOT, FAILS, HOLDS, ONLY_IF, Claim, Finding, Rules
-from harness.claims_facts import Facts, Floats, Times
-
-
-def _of(facts: Facts) -> Times:
-    assert facts.times, "judge() checks no claim without its facts"
-    return facts.times
+from harness.claims_facts import PAPER, Facts, Floats
 
 
 def _quartiles(values: Floats) -> tuple[float, float, float]:
@@ -23,10 +18,11 @@ def _between(low: float, high: float, unit: str, rounds: int) -> str:
 
 def seconds(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Does a pose take the printed time?"""
-    times, quantity = _of(facts), claim.args["quantity"]
+    times, quantity = facts.fea_times, claim.args["quantity"]
+    assert times
     label, values = {
-        "theoretical model": ("substructure, dense, s = 3", times.own),
-        "finite-element model": (times.fea_label, times.fea),
+        "theoretical model": (PAPER, times.own),
+        "finite-element model": (times.label, times.fea),
     }[quantity]
     quoted = facts.printed.cost[quantity]
     low, middle, high = _quartiles(values)
@@ -34,8 +30,10 @@ def seconds(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     uncertainty = _between(low, high, " s", len(values))
     if low - rules.rounding <= quoted <= high + rules.rounding:
         return Finding(measured, uncertainty, HOLDS)
-    verdict = f"{CANNOT}: no machine, program or problem size is printed; here it is "
-    verdict += f"{quoted / middle:.0f} times less" if middle < quoted else "more"
+    verdict = (
+        f"{CANNOT}: no machine, program or problem size is printed; here it takes "
+        f"{100 * middle / quoted:.2g} % of that"
+    )
     return Finding(measured, uncertainty, verdict)
 
 
@@ -57,10 +55,11 @@ def saved_follows(facts: Facts, claim: Claim, rules: Rules) -> Finding:
 
 def saved(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Is as much saved here?"""
-    times = _of(facts)
+    times = facts.fea_times
+    assert times
     rounds = min(len(times.own), len(times.fea))
     low, middle, high = _quartiles(100 * (1 - times.own[:rounds] / times.fea[:rounds]))
-    measured = f"{middle:.2f} % against {times.fea_label}"
+    measured = f"{middle:.2f} % against {times.label}"
     uncertainty = _between(low, high, " %", rounds)
     quoted = facts.printed.cost["cost saved"]
     if low - rules.rounding <= quoted <= high + rules.rounding:
@@ -71,7 +70,8 @@ def saved(facts: Facts, claim: Claim, rules: Rules) -> Finding:
 
 def faster(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Is the model faster than both ways with multipliers?"""
-    times = _of(facts)
+    times = facts.times
+    assert times
     rivals = {
         "multipliers kept as unknowns": times.saddle_point,
         "constraints solved by their null space": times.null_space,

@@ -35,8 +35,7 @@ def few_elements(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     beams = facts.beams
     assert beams
     s, modes = claim.args["elements"], [i - 1 for i in claim.args["modes"]]
-    # One element need only be good enough; what has converged must not change any more.
-    limit = rules.significant_percent if s == 1 else rules.agrees_percent
+    limit = getattr(rules, claim.args["limit"])
     errors = {n: _largest(beams, n, modes) for n in beams.elements}
     fewest = next((n for n, value in errors.items() if value <= limit), None)
     words = ", ".join(f"{value:.3f} % at s = {n}" for n, value in errors.items() if n <= s + 1)
@@ -69,7 +68,7 @@ def timoshenko_stiffness(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Does Timoshenko change the platform's stiffness significantly?"""
     slender = facts.slender
     assert slender
-    return _significant(slender, slender.stiffness, "stiffness", rules)
+    return _significant(slender, slender.stiffness, "the stiffnesses", rules)
 
 
 def timoshenko_frequencies(facts: Facts, claim: Claim, rules: Rules) -> Finding:
@@ -85,13 +84,30 @@ def _significant(slender: Slender, gaps: Floats, what: str, rules: Rules) -> Fin
     limit = rules.significant_percent
     if gaps[-1] <= limit:
         return Finding(measured, NONE, HOLDS)
+    return Finding(measured, NONE, _if_slender(slender, gaps, limit))
+
+
+def f1_diameter(facts: Facts, claim: Claim, rules: Rules) -> Finding:
+    """Can rods of the printed diameter have so small an error of f1?"""
+    slender, limit = facts.slender, claim.args["printed"] + rules.rounding
+    assert slender
+    measured = (
+        f"shear and rotary inertia lower f1 by up to {slender.first[-1]:.3f} % at the printed d/L "
+        f"= {slender.ratios[-1]:.3f}"
+    )
+    if slender.first[-1] <= limit:
+        return Finding(measured, NONE, HOLDS)
+    also = ", the finite elements being beams"
+    return Finding(measured, NONE, _if_slender(slender, slender.first, limit, also))
+
+
+def _if_slender(slender: Slender, gaps: Floats, limit: float, also: str = "") -> str:
+    """Return below which d/L the gap is at most `limit` [%]."""
     if gaps[0] > limit:
-        verdict = f"{FAILS}: more than {limit:g} % even at d/L = {slender.ratios[0]:g}"
-        return Finding(measured, NONE, verdict)
+        return f"{FAILS}: {gaps[0]:.2g} % even at d/L = {slender.ratios[0]:g}"
     # The gap grows as a power of d/L: straight between neighbours on logarithms.
     ratio = np.exp(np.interp(np.log(limit), np.log(gaps), np.log(slender.ratios)))
-    verdict = f"{ONLY_IF} d/L is at most {ratio:.3f}: there {what} differ by {limit:g} %"
-    return Finding(measured, NONE, verdict)
+    return f"{ONLY_IF} d/L is at most {ratio:.3f}{also}"
 
 
 def slender(facts: Facts, claim: Claim, rules: Rules) -> Finding:

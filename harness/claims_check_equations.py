@@ -3,7 +3,7 @@
 import numpy as np
 
 from harness.claims_data import FAILS, HOLDS, ONLY_IF, Claim, Finding, Rules
-from harness.claims_facts import PAPER, Equations, Facts, Floats
+from harness.claims_facts import PAPER, PHI, Equations, Facts, Floats
 
 WHOLE = "none: whole numbers"
 
@@ -37,10 +37,10 @@ def angles(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     found = _of(facts)
     turn, off = np.degrees([found.phi_alone, found.theta_axis])
     measured = (
-        f"phi = 10 deg alone turns the platform by {turn:.2g} deg; theta alone turns it about an "
-        f"axis {off:.3g} deg from x"
+        f"phi = {np.degrees(PHI):g} deg alone turns the platform by {turn:.2g} deg; theta alone "
+        f"turns it about an axis {off:.3g} deg from x"
     )
-    if off <= np.degrees(rules.exact) and turn > 1:
+    if found.theta_axis <= rules.exact and abs(found.phi_alone - PHI) <= rules.exact:
         return Finding(measured, f"{rules.exact:.0e} rad", HOLDS)
     verdict = f"{FAILS}: Eq. (1) is tilt and torsion, theta the tilt and phi the way it leans"
     return Finding(measured, f"{rules.exact:.0e} rad", verdict)
@@ -121,7 +121,7 @@ def _headings(found: Equations, smallest: Floats, rules: Rules) -> str:
 def eq17(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Is Eq. (17) regular?"""
     found = _of(facts)
-    measured = f"smallest |R_i(2,2)| {found.eq17[0]:.3f} with a limb on the x-axis, "
+    measured = f"smallest R_i(2,2) in magnitude {found.eq17[0]:.3f} with a limb on the x-axis, "
     measured += f"{found.eq17.min():.0e} over all headings of the base"
     own = f"{rules.exact:.0e} (rounding)"
     if found.eq17.min() > rules.exact:
@@ -135,12 +135,18 @@ def eq17(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     return Finding(measured, own, verdict)
 
 
+def eq17_vertical(facts: Facts, claim: Claim, rules: Rules) -> Finding:
+    """Has no limb's base a rotation about the vertical?"""
+    what = "the revolute axes are horizontal to"
+    return _residual(_of(facts).axis_rise, what, rules, "phi_Bz goes with phi_By")
+
+
 def eq18(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Is Eq. (18) singular in some configurations?"""
     found = _of(facts)
     measured = (
-        f"smallest |R_i(1,2)| {found.eq18[0]:.0e} with a limb on the x-axis; the revolute axes "
-        f"turn by {found.axis_motion:.0e} from pose to pose"
+        f"smallest R_i(1,2) in magnitude {found.eq18[0]:.0e} with a limb on the x-axis; the "
+        f"revolute axes turn by {found.axis_motion:.0e} from pose to pose"
     )
     own = f"{rules.exact:.0e} (rounding)"
     if found.eq18.min() > rules.exact:

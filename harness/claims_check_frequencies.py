@@ -1,5 +1,7 @@
 """Checks of Table I against models: theoretical values, FEA values and errors, by cause."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from harness.claims_check_printed import ERROR, THEORETICAL
@@ -71,8 +73,7 @@ def error(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     agree = [k for k, v in found.items() if abs(v - quoted) <= rules.rounding + own[k]]
     if agree:
         return Finding(measured, uncertainty, _among(agree, list(found)))
-    parts = _parts(beams, references[0], case, label)
-    verdict = f"{CANNOT}: {_causes({k: float(v[i]) for k, v in parts.items()})}"
+    verdict = f"{CANNOT}: {_causes(beams, references, case, label, i)}"
     return Finding(measured, uncertainty, verdict)
 
 
@@ -90,8 +91,7 @@ def largest_error(facts: Facts, claim: Claim, rules: Rules) -> Finding:
         if value <= limit + rules.rounding + own:
             within.append(r.label)
         if r is references[0]:
-            parts = _parts(beams, r, CASES[k], PAPER)
-            causes = _causes({name: float(share[modes[m]]) for name, share in parts.items()})
+            causes = _causes(beams, references, CASES[k], PAPER, modes[m])
     measured, uncertainty = "; ".join(words), "; ".join(owns)
     if within:
         return Finding(measured, uncertainty, _among(within, [r.label for r in references]))
@@ -115,7 +115,7 @@ def one_height(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     k = int(np.argmin(both))
     measured = f"{'; '.join(words)}; both at z = {beams.scan_z[k]:.3f} m, to {both[k]:.2f} %"
     step = 1000 * float(np.diff(beams.scan_z).max())
-    uncertainty = f"{step:g} mm (steps of the scan from {beams.scan_z[0]:g} to "
+    uncertainty = f"{step:.2g} mm (steps of the scan from {beams.scan_z[0]:g} to "
     uncertainty += f"{beams.scan_z[-1]:g} m)"
     if both[k] <= rules.agrees_percent:
         return Finding(measured, uncertainty, HOLDS)
@@ -146,11 +146,16 @@ def _parts(beams: Beams, reference: Reference, case: str, label: str) -> dict[st
     return dict(zip(EFFECTS, shares, strict=True))
 
 
-def _causes(parts: dict[str, float]) -> str:
-    """Return the parts in words, the largest first."""
-    order = sorted(parts, key=lambda name: -abs(parts[name]))
-    words = ", ".join(f"{name} {parts[name]:+.3f}" for name in order)
-    return f"of {sum(parts.values()):+.3f} points most is {order[0]} ({words})"
+def _causes(beams: Beams, references: Sequence[Reference], case: str, label: str, i: int) -> str:
+    """Return the largest part of an error, and all of them, in words."""
+    words = []
+    for r in references:
+        parts = {name: float(share[i]) for name, share in _parts(beams, r, case, label).items()}
+        shares = ", ".join(f"{name} {share:+.3f}" for name, share in parts.items())
+        words.append(f"against {r.label} {shares}")
+        if r is references[0]:
+            most = max(parts, key=lambda name: abs(parts[name]))
+    return f"mostly {most}; points of {case}'s f{i + 1} {'; '.join(words)}"
 
 
 def _among(agree: list[str], all_of_them: list[str]) -> str:

@@ -75,14 +75,15 @@ def symmetry(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Are the frequencies the same all round a circle of one tilt and height?"""
     found = _maps(facts)
     words = ", ".join(f"f{i} varies by {100 * v:.2f} %" for i, v in enumerate(found.ripple, 1))
-    measured = f"round a circle {words}; a turn of 120 deg changes them by {found.turned:.0e}"
+    measured = f"round a circle {words}; a turn of {found.period:g} deg changes "
+    measured += f"them by {found.turned:.0e}"
     own = f"{rules.exact:.0e} (rounding)"
     if 100 * found.ripple.max() <= rules.agrees_percent:
         return Finding(measured, own, HOLDS)
     if found.turned <= rules.exact:
-        verdict = f"{ONLY_IF} it means periodic by 120 degrees, as the three limbs are"
+        verdict = f"{ONLY_IF} it means periodic by {found.period:g} degrees, as the limbs are"
         return Finding(measured, own, verdict)
-    return Finding(measured, own, f"{FAILS}: even a turn of 120 degrees changes them")
+    return Finding(measured, own, f"{FAILS}: even a turn from limb to limb changes them")
 
 
 def falls(facts: Facts, claim: Claim, rules: Rules) -> Finding:

@@ -15,7 +15,7 @@ def claims(only: str | None, as_json: bool, output: str | None) -> int:
 
     Verdicts are results: only a claim that could not be checked makes the exit status 1.
     """
-    from harness.claims import claims_json, claims_table, judge, needed
+    from harness.claims import COLUMNS, SHORT, claims_json, claims_table, judge, needed
     from harness.claims_data import claims as every
     from harness.claims_data import select
     from harness.claims_measure import gather
@@ -26,13 +26,14 @@ def claims(only: str | None, as_json: bool, output: str | None) -> int:
     with progress(len(groups)) as done:
         facts, missing = gather(groups, done)
     found, unchecked = judge(chosen, facts, missing)
-    table, text = claims_table(found, unchecked), claims_json(found)
+    text = claims_json(found)
     if as_json:
         click.echo(text, nl=False)
     else:
-        show(table)
+        show(claims_table(found, unchecked, SHORT if only is None else COLUMNS))
     if target is not None:
-        write(target, table.files("claims") | {"claims.json": text.encode()})
+        files = claims_table(found, unchecked).files("claims")
+        write(target, files | {"claims.json": text.encode()})
     for name, why in unchecked.items():
         click.echo(f"rps-bench: {name} could not be checked: {why}", err=True)
     return 1 if unchecked else 0

@@ -91,16 +91,16 @@ def claims() -> tuple[Claim, ...]:
 
 def quoted_number(args: Mapping[str, Any]) -> float:
     """Return the number that a claim with `args` quotes; NaN if it quotes none."""
-    match dict(args):
+    match args:
         case {"printed": value}:
             return float(value)
         case {"quantity": quantity}:
-            return published.cost()[quantity]
+            return float(published.cost()[quantity])
         case {"case": case, "mode": mode, "method": method}:
-            return published.table1()[case, method][mode - 1]
+            return float(published.table1()[case, method][mode - 1])
         case {"case": case, "mode": mode, "from": few, "to": _}:
             last = published.table1()[case, "Error (%)"][mode - 1]
-            return published.figure3()[case, few, mode] - last
+            return float(published.figure3()[case, few, mode] - last)
         case {"case": case, "mode": mode, "elements": elements}:
             return published.figure3()[case, elements, mode]
     return float("nan")

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from analytic import Mechanism, Multipliers, Platform, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
 from harness.cases import Case
-from harness.claims_facts import Equations, Floats
+from harness.claims_facts import PHI, THETA, Equations, Floats
 from harness.cost import random_poses
 
 POSES = 200
@@ -59,8 +59,9 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
     # Eq. (3), limb by limb: (poses, n, 3).
     vectors = o[:, None] + np.einsum("pjk,ik->pij", R, mechanism.platform_points) - mechanism.bases
     lengths = np.linalg.norm(vectors, axis=-1)
-    ten, twelve, level = np.radians([10.0]), np.radians([-12.0]), np.zeros(1)
-    theta = Rotation.from_matrix(formulas.rotation(level, twelve)[0]).as_rotvec()
+    level = np.zeros(1)
+    phi_alone = Rotation.from_matrix(formulas.rotation(level + PHI, level)[0])
+    theta = Rotation.from_matrix(formulas.rotation(level, level + THETA)[0]).as_rotvec()
     headings = np.radians(np.arange(0, 360, 5))
     # The revolute axis is y of the limb's frame R_i: (headings, poses, n, 3).
     axes = np.array(
@@ -75,7 +76,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
                 np.abs(np.linalg.det(R) - 1).max(),
             )
         ),
-        phi_alone=float(Rotation.from_matrix(formulas.rotation(ten, level)[0]).magnitude()),
+        phi_alone=float(phi_alone.magnitude()),
         theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
         beside_plane=float(np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max()),
         lengths_apart=float(np.abs(lengths - limbs_at(mechanism, poses).lengths).max()),
@@ -85,6 +86,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
         headings=headings,
         eq17=np.abs(axes[..., 1]).min(axis=(1, 2)),
         eq18=np.abs(axes[..., 0]).min(axis=(1, 2)),
+        axis_rise=float(np.abs(axes[..., 2]).max()),
         axis_motion=float(np.ptp(axes, axis=1).max()),
         joints_open=max(opened),
         multipliers_apart=max(apart),

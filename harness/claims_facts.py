@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 CASES = ("case1", "case2")
 """The two of Table I."""
+PHI, THETA = np.radians([10.0, -12.0])
+"""The angles of Case 2 [rad]."""
 THEORY = "euler-bernoulli"
 PAPER = f"{THEORY}@3"
 EFFECTS = {
     "number of elements": (None, f"{THEORY}@exact"),
     "rotary inertia": (f"{THEORY}@exact", "rayleigh@exact"),
     "shear": ("rayleigh@exact", "timoshenko@exact"),
-    "what beams leave out": ("timoshenko@exact", None),
+    "Timoshenko to reference": ("timoshenko@exact", None),
 }
 """Parts of an error: from one model to the next, from the theory (None) to the reference (None)."""
 
@@ -65,11 +67,12 @@ class Reference:
 class Slender:
     """Both beam theories as rods grow stout: ratios d/L (n,), the last the printed one.
 
-    `frequencies`: largest relative difference of f1-f6 over both cases, (n,) [%]; `stiffness`:
-    that of the platform's static stiffness.
+    `first`: largest relative difference of f1 over both cases, (n,) [%]; `frequencies`: that of
+    f1-f6; `stiffness`: that of the platform's static stiffness.
     """
 
     ratios: Floats
+    first: Floats
     frequencies: Floats
     stiffness: Floats
 
@@ -80,8 +83,8 @@ class Equations:
 
     Attributes:
         rotation: largest of |R^T R - 1| and |det R - 1|, Eq. (1).
-        phi_alone: how far R turns for phi alone [rad]; theta_axis: angle of its axis from x for
-            theta alone [rad].
+        phi_alone: how far R turns for `PHI` alone [rad]; theta_axis: angle of its axis from x for
+            `THETA` alone [rad].
         beside_plane: largest distance of an A_i from its revolute joint's plane, Eq. (2) [m].
         lengths_apart: largest difference of L_i, Eq. (3), from the model's [m].
         compatibility: largest error of Eq. (10) for small rotations, relative to the arm.
@@ -90,7 +93,8 @@ class Equations:
             the size of K of Eq. (22).
         headings: turns of the base (n,) [rad]; eq17, eq18: the smallest |denominator| of each over
             limbs and poses (n,).
-        axis_motion: largest change of a revolute axis from pose to pose.
+        axis_rise, axis_motion: largest vertical component of a revolute axis, and its largest
+            change from pose to pose.
         joints_open: largest |C u| of a mode for unit largest motion; multipliers_apart: largest
             relative difference of f1-f6 from the model with multipliers.
         multipliers: their number.
@@ -109,6 +113,7 @@ class Equations:
     headings: Floats
     eq17: Floats
     eq18: Floats
+    axis_rise: float
     axis_motion: float
     joints_open: float
     multipliers_apart: float
@@ -120,13 +125,20 @@ class Equations:
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds of one pose in each round (n,): the paper's way, its two rivals, and the stand-in."""
+    """Seconds of one pose in each round (n,): the paper's way and both ways with multipliers."""
 
     own: Floats
     null_space: Floats
     saddle_point: Floats
+
+
+@dataclass(frozen=True)
+class FeaTimes:
+    """Seconds of one pose in each round (n,): the paper's way, and the stand-in for ANSYS."""
+
+    own: Floats
     fea: Floats
-    fea_label: str
+    label: str
 
 
 @dataclass(frozen=True)
@@ -134,13 +146,15 @@ class Maps:
     """The regular workspace and f1-f3 in it.
 
     `ripple` (3,): largest (max - min) / mean round a circle; `turned`: largest relative change
-    under a turn of 120 degrees; `steps`, `rising`: steps from layer to layer, and those that do
-    not fall; `z` (n,) [m] and `level` (n,): f1 of the level platform; `volumes`: joint limit [deg]
-    to the volumes of cone and of all circles [rad^2 m]; `limit` [deg] of the maps.
+    under a turn from limb to limb, by `period` [deg]; `steps`, `rising`: steps from layer to
+    layer, and those that do not fall; `z` (n,) [m] and `level` (n,): f1 of the level platform;
+    `volumes`: joint limit [deg] to the volumes of cone and of all circles [rad^2 m]; `limit` [deg]
+    of the maps.
     """
 
     ripple: Floats
     turned: float
+    period: float
     steps: int
     rising: int
     z: Floats
@@ -160,8 +174,9 @@ class Facts:
     slender: Slender | None = None
     equations: Equations | None = None
     times: Times | None = None
+    fea_times: FeaTimes | None = None
     maps: Maps | None = None
 
 
-GROUPS = ("beams", "fea", "solid", "slender", "equations", "times", "maps")
+GROUPS = ("beams", "fea", "solid", "slender", "equations", "times", "fea_times", "maps")
 """The groups of `Facts` that have to be measured, in the order in which they are."""

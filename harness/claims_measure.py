@@ -18,6 +18,7 @@ from harness.claims_facts import (
     THEORY,
     Beams,
     Facts,
+    FeaTimes,
     Floats,
     Maps,
     Printed,
@@ -25,7 +26,7 @@ from harness.claims_facts import (
     Slender,
     Times,
 )
-from harness.cost import measure
+from harness.cost import Cost, measure
 from harness.models import PAPER_ELEMENTS, Spec, parse
 from harness.options import STAND_IN
 from harness.run import run
@@ -41,7 +42,8 @@ SOLIDS = ("ngsolve-solid", "calculix-solid")
 """Solid rods, the quicker first: whichever can run here."""
 MODES = 6
 STEPS = range(1, 9)
-ROUNDS = 7
+ROUNDS = 11
+THINNEST = 0.01
 LIMIT_ANGLES = (30.0, 45.0, 60.0)
 SHAPE = (36, 8)
 """Azimuths and tilts of a layer."""
@@ -57,6 +59,7 @@ def gather(groups: Iterable[str], done: Done = lambda _: None) -> tuple[Facts, d
         "slender": lambda: slender(cases),
         "equations": lambda: equations(cases),
         "times": times,
+        "fea_times": fea_times,
         "maps": lambda: maps(cases[0]),
     }
     found: dict[str, Any] = {}
@@ -109,7 +112,7 @@ def beams(cases: Sequence[Case]) -> Beams:
         found = spec.build().modes(case.mechanism, case.pose, MODES).frequencies
         readings[case.name] = (case.published, found)
     # The printed stroke, level: o is as high as a limb's end.
-    scan_z = np.linspace(Limits().length_min, Limits().length_max, 801)
+    scan_z = np.linspace(Limits().length_min, Limits().length_max, 8001)
     scan = {
         case.name: condensed_frequencies(
             case.mechanism, Pose(scan_z, case.pose.azimuth, case.pose.tilt), PAPER_ELEMENTS
@@ -130,7 +133,7 @@ def beams(cases: Sequence[Case]) -> Beams:
 
 
 def reference(cases: Sequence[Case], spec: Spec) -> Reference:
-    """Return a simulator's frequencies, paired by shape; raises `UnmeasuredError` where it fails."""
+    """Return a simulator's frequencies, paired by shape, or raise `UnmeasuredError`."""
     theory = parse(PAPER, "model")
     study = run(cases, [theory, spec], MODES)
     if study.failures:
@@ -157,22 +160,23 @@ def _solid() -> str:
 
 
 def slender(cases: Sequence[Case]) -> Slender:
-    """Return how both theories differ from rods of d/L = 0.01 up to the printed ones."""
+    """Return how both theories differ from rods of d/L = `THINNEST` up to the printed ones."""
     rods = [case.mechanism.limbs[0].rod.diameter for case in cases]
     lengths = [limbs_at(case.mechanism, case.pose).lengths.mean() for case in cases]
-    ratios = np.geomspace(0.01, max(d / L for d, L in zip(rods, lengths, strict=True)), 12)
-    frequencies, stiffness = np.zeros(len(ratios)), np.zeros(len(ratios))
+    ratios = np.geomspace(THINNEST, max(d / L for d, L in zip(rods, lengths, strict=True)), 12)
+    first, frequencies, stiffness = np.zeros((3, len(ratios)))
     for k, ratio in enumerate(ratios.tolist()):
         for case in (with_rods(case, ratio) for case in cases):
             euler, timoshenko = (
                 condensed_frequencies(case.mechanism, case.pose, None, beam=name, count=MODES)
                 for name in (THEORY, "timoshenko")
             )
-            apart = 100 * np.abs(euler / timoshenko - 1).max()
-            frequencies[k] = max(frequencies[k], apart)
-            apart = 100 * np.abs(_stiffness_ratios(case) - 1).max()
-            stiffness[k] = max(stiffness[k], apart)
-    return Slender(ratios, frequencies, stiffness)
+            apart = 100 * np.abs(euler / timoshenko - 1).ravel()
+            first[k] = max(first[k], apart[0])
+            frequencies[k] = max(frequencies[k], apart.max())
+            apart = 100 * np.abs(_stiffness_ratios(case) - 1)
+            stiffness[k] = max(stiffness[k], apart.max())
+    return Slender(ratios, first, frequencies, stiffness)
 
 
 def _stiffness_ratios(case: Case) -> Floats:
@@ -190,18 +194,25 @@ def _stiffness_ratios(case: Case) -> Floats:
 
 
 def times() -> Times:
-    """Return times of one pose, all measured in turns in one run."""
+    """Return times of one pose without and with multipliers, measured in turns."""
+    timed = _timed(measure([PAPER_ELEMENTS], [], [1], ROUNDS))
+    return Times(
+        timed["substructure, dense"],
+        timed["multipliers, null-space"],
+        timed["multipliers, saddle-point"],
+    )
+
+
+def fea_times() -> FeaTimes:
+    """Return times of one pose by the paper's way and by the stand-in, measured in turns."""
     cost = measure([PAPER_ELEMENTS], [STAND_IN], [1], ROUNDS)
     if cost.stand_in is None:
-        raise UnmeasuredError("; ".join(cost.failures.values()) or f"{STAND_IN} was not timed")
-    timed = {t.model: t.seconds for t in cost.elements if t.size == PAPER_ELEMENTS}
-    return Times(
-        own=timed["substructure, dense"],
-        null_space=timed["multipliers, null-space"],
-        saddle_point=timed["multipliers, saddle-point"],
-        fea=cost.stand_in.seconds,
-        fea_label=cost.stand_in.model,
-    )
+        raise UnmeasuredError("; ".join(cost.failures.values()))
+    return FeaTimes(_timed(cost)["substructure, dense"], cost.stand_in.seconds, cost.stand_in.model)
+
+
+def _timed(cost: Cost) -> dict[str, Floats]:
+    return {t.model: t.seconds for t in cost.elements if t.size == PAPER_ELEMENTS}
 
 
 def maps(case: Case, spec: Spec = Spec(THEORY, PAPER_ELEMENTS)) -> Maps:  # noqa: B008
@@ -220,6 +231,7 @@ def maps(case: Case, spec: Spec = Spec(THEORY, PAPER_ELEMENTS)) -> Maps:  # noqa
     return Maps(
         ripple=rings[whole].max(axis=0),
         turned=turned(data, len(case.mechanism.limbs)),
+        period=360 / len(case.mechanism.limbs),
         steps=int(np.isfinite(change).sum()),
         rising=int((change >= 0).sum()),
         z=data.grid.z,
