@@ -16,17 +16,17 @@ from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.claims_command import claims
 from harness.dashboard_command import dashboard
-from harness.files import OutputError, write_all
+from harness.files import OutputError
 from harness.history_command import history
 from harness.models import MADE_FROM, SOLID_LIMB
 from harness.options import (
     STAND_IN,
     CostRequest,
     Request,
-    available,
     takes_cost_request,
     takes_request,
 )
+from harness.reproduce_command import reproduce
 from harness.sweep_command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import finish, progress, show, status, write
@@ -265,30 +265,7 @@ def list_cases(case_file: str | None) -> None:
     show(Table("Cases", columns, tuple(rows)))
 
 
-@cli.command(name="reproduce")
-@takes_request
-def run_reproduce(request: Request) -> int:
-    """The main job: every table and figure, into --output (default results/).
-
-    Fig. 3 and Table I are drawn against the first of --references.
-    """
-    from harness.reproduce import reproduce, solves
-
-    cases, shown, against = request.chosen, request.shown, request.against(available())
-    theory, steps = request.theory("euler-bernoulli@3"), request.steps("1-8")
-    folder = request.folder or Path("results")
-    with progress(solves(cases, theory, against, steps)) as done:
-        result = reproduce(cases, theory, against, steps, shown, done)
-    written = write_all(folder, result.files)
-    show(result.table1)
-    click.echo("What agrees with the paper's Table I, what does not, and why:")
-    for line in result.summary:
-        click.echo(f"  - {line}")
-    for name, info in catalogue():
-        if info.missing:
-            click.echo(f"  - not run: {name}: {info.missing}")
-    click.echo(f"{len(written)} files in {folder}/; start with {folder / 'summary.md'}")
-    return finish(request.history, *result.studies)
+cli.add_command(reproduce)
 
 
 cli.add_command(sweep)

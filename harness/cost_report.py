@@ -43,6 +43,32 @@ def cost_files(cost: Cost) -> dict[str, bytes]:
     return files
 
 
+def cost_sentences(cost: Cost) -> list[str]:
+    """Return what a pose costs in large batches, and what multipliers cost beside the paper's."""
+    lines = []
+    size = max((t.size or 1 for t in cost.batches), default=0)
+    exact = {t.model: t for t in cost.batches if t.size == size and t.model.endswith("exact")}
+    if exact:
+        each = "; ".join(
+            f"{name.removesuffix(', exact')}: {np.median(timing.ratios):.1f} "
+            f"({1e6 * np.median(timing.seconds):.0f} microseconds)"
+            for name, timing in exact.items()
+        )
+        lines.append(
+            f"Exact Euler-Bernoulli frequencies, {size} random poses a call, take a pose, in 6x6 "
+            f"numpy.linalg.eigh calls of the same run: {each}."
+        )
+    at_three = {t.model: t for t in cost.elements if t.size == PAPER_ELEMENTS}
+    own = at_three[DENSE]
+    times = "; ".join(
+        f"{model}: {np.median(at_three[model].ratios / own.ratios):.2f}" for model in TRADITIONAL
+    )
+    lines.append(
+        f"At s = {PAPER_ELEMENTS}, in times of the paper's formulation in the same round: {times}."
+    )
+    return lines
+
+
 def elements_table(cost: Cost) -> Table:
     """Return seconds, dofs and ratios of one pose against the number of elements."""
     rows: list[tuple[Cell, ...]] = [

@@ -2,9 +2,10 @@
 
 import shlex
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
+from typing import Any
 
 import click
 from click.core import ParameterSource
@@ -161,9 +162,14 @@ def _sizes(option: str, text: str, most: int) -> list[int]:
     return found
 
 
-def takes_request(command: Callable[[Request], int]) -> Callable[..., int]:
-    """Give a command all the options, handed over as one `Request`."""
-    return _taking(_HELP, takes_history(lambda **given: command(Request(**given))), command)
+def takes_request(command: Callable[..., int]) -> Callable[..., int]:
+    """Give a command all the options, handed over as one `Request`; its own options follow."""
+
+    def typed(**given: Any) -> int:
+        request = Request(**{field.name: given.pop(field.name) for field in fields(Request)})
+        return command(request, **given)
+
+    return _taking(_HELP, takes_history(typed), command)
 
 
 def takes_cost_request(command: Callable[[CostRequest], int]) -> Callable[..., int]:

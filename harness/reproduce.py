@@ -1,80 +1,122 @@
-"""The main job: every table and figure of the paper that this bench has, into one folder."""
+"""The main job: every table and figure of the paper that this bench has, part by part."""
 
 import io
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import polars as pl
 
-from harness.cases import PRESETS, Case
-from harness.compare import (
-    errata_table,
-    provenance_table,
-    readings_table,
-    reference_table,
-    table_one,
-)
-from harness.convergence import Convergence, converge, convergence_files, convergence_tables
-from harness.models import Spec, parse
-from harness.run import Study, rows, run
-from harness.summary import causes, closest_readings, summarise
-from harness.tables import Table
+from analytic import InputError
+from harness.cases import Case
+from harness.models import Spec
+from harness.run import Study, keeping
+from reference_models import ModelError, UnavailableError
 
-LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
+SUMMARY = "summary.md"
+TOP = """# Summary
+
+Written by `rps-bench reproduce`; `--only NAME,NAME` makes single parts anew. Parts that hold
+seconds say so; all other files depend on the programs alone.
+"""
 
 
 @dataclass(frozen=True)
-class Reproduction:
-    """What was reproduced: `table1`, `files` by name, `summary` in plain words, `studies`."""
+class Plan:
+    """What is asked for; Table I and Fig. 3 are drawn against the first of `references`."""
 
-    table1: Table
+    cases: tuple[Case, ...]
+    theory: Spec
+    references: tuple[Spec, ...]
+    steps: tuple[int, ...]
+    shown: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """Modes solved for."""
+        return max(6, *self.shown)
+
+    @property
+    def names(self) -> list[str]:
+        """The reference models' names, each once."""
+        return list(dict.fromkeys(spec.name for spec in self.references))
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a section makes: `files` by name, what they say in `sentences`, and what failed."""
+
     files: dict[str, bytes]
-    summary: list[str]
-    studies: tuple[Study, ...]
+    sentences: Sequence[str]
+    studies: tuple[Study, ...] = ()
+    failures: Mapping[tuple[str, str], str] | None = None
 
 
-def solves(
-    cases: Sequence[Case], theory: Spec, references: Sequence[Spec], elements: Sequence[int]
-) -> int:
-    """Return how many (model, case) solutions `reproduce` asks for, for a progress bar."""
-    first = len({theory, *references, *causes(theory)})
-    return len(cases) * (first + 1 + len(elements) + 1 + len(LADDER)) + len(PRESETS)
+Done = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of the job: `name` for --only, `title` in the summary, `command` that it is.
+
+    `steps` that `make` reports; `timed`: whether its files hold seconds.
+    """
+
+    name: str
+    title: str
+    command: str
+    steps: Callable[[Plan], int]
+    make: Callable[[Plan, Done], Part]
+    timed: bool = False
+
+
+def chosen(sections: Sequence[Section], names: Sequence[str] | None) -> list[Section]:
+    """Return the sections called `names`, or all of them, in their own order."""
+    known = [section.name for section in sections]
+    for name in names or []:
+        if name not in known:
+            raise InputError("--only", name, f"some of {', '.join(known)}")
+    return [section for section in sections if names is None or section.name in names]
 
 
 def reproduce(
-    cases: Sequence[Case],
-    theory: Spec,
-    references: Sequence[Spec],
-    elements: Sequence[int],
-    shown: Sequence[int],
-    done: Callable[[str], None] = lambda _: None,
-) -> Reproduction:
-    """Return all tables and figures. Fig. 3 is drawn against the first of `references`."""
-    count = max(6, *shown)
-    study = run(cases, [theory, *references, *causes(theory)], count, done)
-    tables = {
-        "table1": table_one(study, [theory], references[:1], shown),
-        "references": reference_table(study, theory, references, shown),
-        "provenance": provenance_table(study),
-        "errata": errata_table(),
-    }
-    readings = [run([case], [parse(case.model, "model")], 6, done) for case in PRESETS.values()]
-    tables["readings"] = readings_table(readings)
-    summary = summarise(study, theory, references) + closest_readings(readings)
+    sections: Sequence[Section], plan: Plan, done: Done = lambda _: None
+) -> Iterator[tuple[Section, Part]]:
+    """Yield every section's part; one that cannot be made says why and costs no other."""
+    with keeping():
+        for section in sections:
+            try:
+                yield section, section.make(plan, done)
+            except (ModelError, UnavailableError) as error:
+                failures = {(section.title, section.name): str(error)}
+                yield section, Part({}, [f"Not made: {error}."], failures=failures)
 
-    fig3 = converge(cases, theory, elements, references[0], count, done)
-    limit = replace(theory, elements=None)
-    alone = converge(cases, theory, LADDER, limit, count, done)
-    files = {"frequencies.csv": tidy(rows(study))}
-    for stem, table in tables.items():
-        files |= table.files(stem)
-    curves = {"fig3": fig3, "discretisation": alone}
-    for stem, result in curves.items():
-        files |= convergence_files(result, shown, stem)
-    files["summary.md"] = _page(summary, tables, curves, shown)
-    studies = (study, fig3.study, alone.study, *readings)
-    return Reproduction(tables["table1"], files, summary, studies)
+
+def page(sections: Sequence[Section], known: str, section: Section, part: Part) -> str:
+    """Return the summary `known` with what `section` says now, in the order of `sections`."""
+    chapters = dict(re.findall(r"^## (.*)\n((?:(?!## ).*\n)*)", known, flags=re.MULTILINE))
+    chapters[section.title] = _chapter(section, part)
+    body = [f"## {s.title}\n{chapters[s.title]}" for s in sections if s.title in chapters]
+    return "\n".join([TOP, *(chapter.rstrip("\n") + "\n" for chapter in body)])
+
+
+def _chapter(section: Section, part: Part) -> str:
+    stems = [name.removesuffix(".md") for name in part.files if name.endswith(".md")]
+    tables = [f"[{stem}]({stem}.md)" for stem in stems]
+    others = [f"[{name}]({name})" for name in part.files if name.endswith((".json", ".csv"))
+              and name.rpartition(".")[0] not in stems]  # fmt: skip
+    pictures = [name for name in part.files if name.endswith(".svg")]
+    pictures += [name for name in part.files
+                 if name.endswith(".png") and f"{name[:-4]}.svg" not in pictures]  # fmt: skip
+    lines = ["", *(f"- {line}" for line in part.sentences), ""]
+    seconds = " It holds seconds, which differ from run to run." if section.timed else ""
+    lines += [f"This part alone: `{section.command}`.{seconds}", ""]
+    if tables or others:
+        lines += [f"Tables (each also as CSV and LaTeX): {', '.join(tables + others)}.", ""]
+    lines += [f"![{Path(name).stem}]({name})" for name in pictures]
+    return "\n".join(lines) + "\n"
 
 
 def tidy(records: list[dict[str, Any]]) -> bytes:
@@ -82,18 +124,3 @@ def tidy(records: list[dict[str, Any]]) -> bytes:
     text = io.BytesIO()
     pl.DataFrame(records, infer_schema_length=None).write_csv(text)
     return text.getvalue()
-
-
-def _page(
-    summary: Sequence[str],
-    tables: dict[str, Table],
-    curves: dict[str, Convergence],
-    shown: Sequence[int],
-) -> bytes:
-    parts = ["# Summary\n", "".join(f"- {line}\n" for line in summary)]
-    parts += [tables[name].markdown() for name in ("table1", "readings", "references")]
-    for stem, result in curves.items():
-        parts += [f"![{stem}]({stem}.svg)\n"]
-        parts += [table.markdown() for table in convergence_tables(result, shown)]
-    parts += [tables[name].markdown() for name in ("provenance", "errata")]
-    return "\n".join(parts).encode()

@@ -69,6 +69,30 @@ def precision_files(result: WorkPrecision) -> dict[str, bytes]:
     return files
 
 
+def precision_sentences(result: WorkPrecision) -> list[str]:
+    """Return the floors that no mesh lowers, and what the cheapest ways take."""
+    lines = []
+    if result.solid is not None:
+        floors = [
+            f"{theory} to {worst(floor, 3):.2g} % on f1-f3 and {worst(floor, 6):.2g} % on f1-f6"
+            for theory, floor in result.floors.items()
+            if theory in BEAMS
+        ]
+        lines.append(
+            f"Against solids ({result.solid.spec.label}, known to "
+            f"{result.solid.uncertainty(6):.2g} %) no number of elements brings "
+            f"{', '.join(floors)}."
+        )
+    for method in ("substructure, euler-bernoulli", "exudyn-cable", "exudyn-beam"):
+        points = [point for point in result.points if point.method == method]
+        if points:
+            needs = [
+                f"{target:g} % with {verdict(result, points, OWN, 6, target)}" for target in TARGETS
+            ]
+            lines.append(f"{method} meets its own theory's limit on f1-f6 to {', '.join(needs)}.")
+    return lines
+
+
 def points_table(result: WorkPrecision) -> Table:
     """Return every model with every number of elements: errors, time and dofs."""
     both = " and ".join(case.name for case in result.cases)
