@@ -30,8 +30,10 @@ class Designs:
     Attributes: `z` [m], `azimuth`, `tilt` [rad] as in `Pose`; `base_radius`, `platform_radius` of
     the points B_i and A_i, `diameter` of the rods [m]; `young` [Pa] and `density` [kg/m^3] of the
     rods; the platform's `mass` [kg] and moments of inertia `across` (x and y) and `polar` (z)
-    [kg m^2]. Scalars stand for N equal values. Raises `InputError` for shapes that do not match,
-    numbers that are not finite, or anything but angles not above zero.
+    [kg m^2]. Scalars stand for N equal values. `mirrored` is no mechanism but a slip that a table
+    may betray: limbs of the right length, whose frames lean from the vertical to the wrong side.
+    Raises `InputError` for shapes that do not match, numbers that are not finite, or anything but
+    angles not above zero.
     """
 
     z: Floats
@@ -45,9 +47,10 @@ class Designs:
     mass: Floats
     across: Floats
     polar: Floats
+    mirrored: bool = False
 
     def __post_init__(self) -> None:
-        names = [field.name for field in fields(self)]
+        names = [field.name for field in fields(self) if field.name != "mirrored"]
         given = [np.asarray(getattr(self, name), dtype=float) for name in names]
         try:
             shaped = np.broadcast_arrays(*given, np.empty(1))
@@ -120,6 +123,9 @@ def _geometry(designs: Designs, out: Floats, axes: Floats) -> tuple[Floats, Floa
     if lengths.min(initial=1.0) <= CLOSURE or (abs((y * limbs).sum(axis=-1)) > 1e-6).any():
         raise InputError("designs", "a limb", "limbs of some length, in their joints' planes")
     along = limbs / lengths[..., None]
+    if designs.mirrored:
+        radial = out @ R
+        along = along - 2 * (along * radial).sum(axis=-1, keepdims=True) * radial
     frames = np.stack([np.cross(y, along), y, along], axis=2)
     W = np.zeros((len(d), 3, 3, 6))
     unit = designs.density * d**3

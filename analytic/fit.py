@@ -18,8 +18,12 @@ Residuals = Callable[[Floats, NDArray[np.intp]], Floats]
 
 STEP = 1e-5
 """Of a one-sided difference, over the distance between the bounds."""
-SETTLED = 1e-10
+SETTLED = 1e-8
 """Relative change of S at which a fit has converged, and of sqrt(S) with residuals near 1."""
+SAMPLE = 8
+"""Points looked at for each start."""
+EARLY = 4
+"""Steps after which only the better starts go on."""
 CLOSE = 1e-3
 """Relative error of a profile's height at an end."""
 
@@ -110,6 +114,15 @@ def jacobian(
     return np.asarray(J.swapaxes(1, 2))
 
 
+def central_jacobian(residuals: Residuals, point: Floats, lower: Floats, upper: Floats) -> Floats:
+    """Return d residuals / d point (m, P) at one `point` (P,), to 1e-6 and better."""
+    steps = np.broadcast_to(30 * STEP * (upper - lower), (1, len(point)))
+    one, owner = point[None], np.zeros(1, dtype=np.intp)
+    values, free = residuals(one, owner), np.ones((1, len(point)), dtype=bool)
+    sides = [jacobian(residuals, one, values, free, h, owner)[0] for h in (steps, -steps)]
+    return np.asarray((sides[0] + sides[1]) / 2)
+
+
 def search(
     residuals: Residuals,
     base: Floats,
@@ -118,28 +131,28 @@ def search(
     upper: Floats,
     *,
     starts: int = 8,
-    sample: int = 128,
     seed: int = 0,
 ) -> tuple[Minima, NDArray[np.intp]]:
     """Return the lowest minimum of each of F fits, and how many of its starts reached it, (F,).
 
-    `base` (P,) holds what is not `free` (F, P). Of `sample` Sobol points within the bounds, and
-    `base` itself, each fit starts from its best `starts`.
+    `base` (P,) holds what is not `free` (F, P). Of `base` and SAMPLE Sobol points a start within
+    the bounds each fit starts from its best `starts`; after EARLY steps the worse half is left.
     """
     F, P = free.shape
-    unit = qmc.Sobol(P, rng=np.random.default_rng(seed)).random(sample)
+    count = 2 ** int(np.ceil(np.log2(SAMPLE * starts)))
+    unit = qmc.Sobol(P, rng=np.random.default_rng(seed)).random(count)
     sobol = np.where(free[:, None], lower + unit * (upper - lower), base)
     points = np.concatenate([np.broadcast_to(base, (F, 1, P)), sobol], axis=1)
-    owner = np.repeat(np.arange(F), sample + 1)
+    owner = np.repeat(np.arange(F), count + 1)
     sums = (residuals(points.reshape(-1, P), owner) ** 2).sum(axis=1).reshape(F, -1)
-    best = np.argsort(sums, axis=1, kind="stable")[:, :starts]
-    chosen = np.take_along_axis(points, best[..., None], axis=1).reshape(-1, P)
-    owner = np.repeat(np.arange(F), best.shape[1])
-    found = minimise(residuals, chosen, free[owner], lower, upper, owner)
-    sums = found.sums.reshape(F, -1)
-    lowest = sums.argmin(axis=1)
+    for keep, steps in ((starts, EARLY), ((starts + 1) // 2, 60)):
+        best = np.argsort(sums, axis=1, kind="stable")[:, :keep]
+        chosen = np.take_along_axis(points, best[..., None], axis=1).reshape(-1, P)
+        owner = np.repeat(np.arange(F), keep)
+        found = minimise(residuals, chosen, free[owner], lower, upper, owner, steps)
+        sums, points = found.sums.reshape(F, -1), found.points.reshape(F, -1, P)
+    rows = np.arange(F) * keep + sums.argmin(axis=1)
     reached = (sums <= sums.min(axis=1, keepdims=True) * (1 + 1e-6) + 1e-18).sum(axis=1)
-    rows = np.arange(F) * best.shape[1] + lowest
     return Minima(found.points[rows], found.sums[rows], found.settled[rows]), reached
 
 
@@ -225,6 +238,38 @@ def profile_ends(
     at[fit, j, which] = centre + side * distance
     opened[fit, j, which] = shut
     return Ends(at, opened, lowest)
+
+
+@dataclass(frozen=True)
+class Profiles:
+    """S minimised over all other parameters: `at` (P, points) of each, `sums` (P, points)."""
+
+    at: Floats
+    sums: Floats
+
+
+def profiles(
+    residuals: Residuals, best: Floats, lower: Floats, upper: Floats, span: Floats, points: int
+) -> Profiles:
+    """Return the profile of every parameter over `span` (P, 2), from the minimum `best` (P,).
+
+    Each goes outwards from `best` on both sides, from one minimum to the next.
+    """
+    P, half = len(best), points // 2
+    at = np.empty((P, 2, half + 1))
+    at[:, 0] = np.linspace(best, span[:, 0], half + 1, axis=1)
+    at[:, 1] = np.linspace(best, span[:, 1], half + 1, axis=1)
+    sums = np.empty_like(at)
+    j = np.repeat(np.arange(P), 2)
+    others = np.ones((2 * P, P), dtype=bool)
+    others[np.arange(2 * P), j] = False
+    moving, owner = np.tile(best, (2 * P, 1)), np.zeros(2 * P, dtype=np.intp)
+    for k in range(half + 1):
+        moving[np.arange(2 * P), j] = at[:, :, k].ravel()
+        found = minimise(residuals, moving, others, lower, upper, owner)
+        moving, sums[:, :, k] = found.points, found.sums.reshape(P, 2)
+    joined = [np.concatenate([x[:, 0, :0:-1], x[:, 1]], axis=1) for x in (at, sums)]
+    return Profiles(*joined)
 
 
 def _next(

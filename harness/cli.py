@@ -18,6 +18,7 @@ from harness.claims_command import claims
 from harness.dashboard_command import dashboard
 from harness.files import OutputError
 from harness.history_command import history
+from harness.identify_command import identify
 from harness.models import MADE_FROM, SOLID_LIMB
 from harness.options import (
     STAND_IN,
@@ -284,3 +285,6 @@ cli.add_command(claims)
 
 
 cli.add_command(dashboard)
+
+
+cli.add_command(identify)
