@@ -4,6 +4,8 @@ A file is named RUN.CHECKSUM.parquet and never changes: whatever does not match 
 damaged or foreign, and skipped. (Parquet itself notices less than half of all flipped bits.)
 """
 
+import atexit
+import gc
 import io
 import re
 import secrets
@@ -99,6 +101,8 @@ class History:
     def __init__(self, folder: Path) -> None:
         import duckdb  # a tenth of a second that commands which only append can do without
 
+        # Left to the end of the process uncollected, duckdb would complain of leaks there.
+        atexit.unregister(gc.freeze)
         if folder.exists() and not folder.is_dir():
             raise InputError("--history", str(folder), "a folder")
         self.skipped: list[tuple[Path, str]] = []
@@ -138,8 +142,7 @@ class History:
             if [s.type for s in statements] != [duckdb.StatementType.SELECT]:
                 raise InputError("--sql", sql, expected)
             answer = self._base.sql(sql, params=params)
-            # Row by row: polars does not let go of an Arrow stream of DuckDB's, which then
-            # complains on the error stream when the process ends.
+            # Row by row: polars does not let go of an Arrow stream, which duckdb complains of too.
             types = [_TYPES.get(str(kind)) for kind in answer.types]
             schema = list(zip(answer.columns, types, strict=True))
             return pl.DataFrame(answer.fetchall(), schema, orient="row", infer_schema_length=None)

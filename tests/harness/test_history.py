@@ -3,6 +3,8 @@
 import errno
 import json
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
@@ -107,6 +109,17 @@ def test_exports_agree(rps_bench: Bench, past: Path, tmp_path: Path, form: str) 
     expected = open_history(past).query(asked)
     assert found.equals(expected)
     assert found["frequency_hz"].n_unique() == 4
+
+
+@pytest.mark.slow
+def test_a_process_ends_in_silence(past: Path) -> None:
+    """Nothing on the error stream: duckdb complains of what is not collected before the end."""
+    command = [sys.executable, "-c", "from harness.cli import main; main()"]
+    ended = subprocess.run(
+        [*command, "history", "--history", str(past)], capture_output=True, text=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "rps-bench refine" in ended.stdout
 
 
 def test_skipped_files_are_named(rps_bench: Bench, past: Path, tmp_path: Path) -> None:
