@@ -34,6 +34,7 @@ def _record(claim: dict[str, str], ledger: Ledger) -> int:
     fields = {
         "Where": claim.get("section", ""),
         "Printed": claim.get("quoted", ""),
+        "Checked": claim.get("how", ""),
         "Measured": claim.get("measured", ""),
         "Uncertainty": claim.get("uncertainty", ""),
         "Verdict": claim.get("verdict", ""),

@@ -24,7 +24,7 @@ def section(sources: Sources, ledger: Ledger) -> Section:
     runs, points = _newest(sources.runs, sources.points)
     place = {run: k for k, run in enumerate(runs["run"])}
     points = points.with_columns(pl.col("run").replace_strict(place).alias("place"))
-    points = points.sort("place", "mode")
+    points = points.sort("place", "mode", maintain_order=True)
     series = [_series(group) for group in points.partition_by(SERIES, maintain_order=True)]
     data = {"runs": _runs(runs), "series": series}
     context = {

@@ -112,12 +112,14 @@ def what(label: str, theory: str, version: str, settings: str | None) -> Fields:
 
 def measured(row: dict[str, Any]) -> Fields:
     """Return coordinates, joint gap and seconds of a tidy row in words."""
-    gap, build, solve = row["closure_m"], row["build_s"], row["solve_s"]
-    spent = None in (build, solve) or f"{1000 * build:.3g} ms to build, {1000 * solve:.3g} to solve"
+    gap, spent = row["closure_m"], ""
+    if row["build_s"] is not None and row["solve_s"] is not None:
+        build, solve = 1000 * row["build_s"], 1000 * row["solve_s"]
+        spent = f"{build:.3g} ms to build, {solve:.3g} to solve"
     return {
         "Coordinates": str(row["dofs"] or ""),
         "Joint gap": "none can open" if gap is None else f"{gap:.1e} m",
-        "Time": "" if spent is True else spent,
+        "Time": spent,
     }
 
 

@@ -1,39 +1,40 @@
 """Work and precision: what an accuracy costs, model by model."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from harness.report.ledger import Ledger
 from harness.report.results_table import cells, number
 from harness.report.section import Cell, Section, digits
 from harness.report.sources import Sources, TableFile
 
-COMMAND = "rps-bench work-precision --output results"
+COMMAND = "rps-bench precision --output results"
+WANTED = ("Case", "Model", "Elements", "Modes", "ms a pose")
 
 
 def section(sources: Sources, ledger: Ledger) -> Section:
     """Return the section."""
     table, cheapest = sources.tables.get("work-precision"), sources.tables.get("cheapest")
-    wanted = ("Case", "Model", "Elements", "Modes", "Error", "ms a pose")
-    columns = [_column(table, name) for name in wanted] if table else []
-    if table is None or None in columns:
+    columns = [_column(table, name) for name in WANTED] if table else []
+    errors = (
+        [k for k, name in enumerate(table.columns) if name.startswith("Error")] if table else []
+    )
+    if table is None or None in columns or not errors:
         missing = f"`{COMMAND}` makes this section"
         return Section("work-precision", "Work and precision", missing=missing)
-    record = ledger.table("work-precision", COMMAND, "; ".join(table.notes[:3]))
-    case, model, elements, modes, error, time = (k for k in columns if k is not None)
+    case, model, elements, modes, time = (row for row in columns if row is not None)
     data = []
     for row in table.rows:
-        try:
-            values = (digits(float(row[time]), 4), digits(abs(float(row[error])), 5))
-        except ValueError:
-            continue
-        label = f"{row[model]}@{row[elements]}" if "@" not in row[model] else row[model]
-        part = ledger.model(row[case], label)
-        own = record if part is None else ledger.add(f"Cost and error of {label}", {
-            "File": "results/work-precision.csv", "Command": COMMAND}, [record, part])  # fmt: skip
-        data.append([row[case], row[model], row[elements], row[modes], *values, own])
+        label = row[model] if row[elements] in ("", "-") else f"{row[model]}@{row[elements]}"
+        label = row[model] if "@" in row[model] else label
+        about = {name: text for name, text in zip(table.columns, row, strict=True) if text}
+        own = ledger.add(f"Work and precision of {label}", {
+            **about, "File": "results/work-precision.csv", "Command": COMMAND})  # fmt: skip
+        values = [digits(_value(row[k]), 5) for k in (time, *errors)]
+        data.append([row[case], row[model], row[elements], row[modes], own, *values])
     context = {
         "cases": list(dict.fromkeys(row[0] for row in data)),
         "modes": list(dict.fromkeys(row[3] for row in data)),
+        "errors": [(str(k), table.columns[column]) for k, column in enumerate(errors)],
         "tables": [
             (one, cells(one.rows, _maker(one, ledger.table(stem, COMMAND))))
             for stem, one in (("cheapest", cheapest), ("work-precision", table))
@@ -47,7 +48,14 @@ def _column(table: TableFile, name: str) -> int | None:
     return next((k for k, one in enumerate(table.columns) if one.startswith(name)), None)
 
 
-def _maker(table: TableFile, record: int):  # type: ignore[no-untyped-def]
+def _value(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _maker(table: TableFile, record: int) -> Callable[[Sequence[str], int], str | Cell]:
     def make(row: Sequence[str], k: int) -> str | Cell:
         if "." not in row[k] and "e" not in row[k]:
             return row[k]

@@ -26,8 +26,12 @@ def section(sources: Sources, ledger: Ledger) -> Section:
 
 
 def _in_degrees(frame: pl.DataFrame) -> pl.DataFrame:
-    """Return `frame` with its poses in mm and degrees, tilts never below zero."""
+    """Return `frame` with its poses in mm and degrees, tilts never below zero.
+
+    A level platform has azimuth 0.
+    """
     azimuth = pl.col("azimuth_rad").degrees() + 180 * (pl.col("tilt_rad") < 0)
+    azimuth = pl.when(pl.col("tilt_rad") != 0).then(azimuth).otherwise(0.0)
     return frame.with_columns(
         (1000 * pl.col("z_m")).round(6).alias("z_mm"),
         (azimuth % 360).round(6).alias("azimuth_deg"),

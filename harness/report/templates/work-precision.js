@@ -1,25 +1,27 @@
 // Work and precision: both axes logarithmic, a line a model.
 const work = read("work-precision");
-if (work) chart("work-chart", ["work-case", "work-modes"], () => {
+if (work) chart("work-chart", ["work-case", "work-modes", "work-error"], () => {
   const [name, modes] = [$("work-case").value, $("work-modes").value];
-  const here = work.filter((row) => row[0] === name && row[3] === modes && row[5] > 0);
-  const models = [...new Set(here.map((row) => row[1]))];
+  const error = $("work-error").selectedOptions[0].text;
+  const here = work.filter((row) => row[0] === name && row[3] === modes)
+    .map(([, model, elements, , record, ms, ...errors]) => ({model, elements, record, ms, e: Math.abs(errors[$("work-error").value])}))
+    .filter((one) => one.ms > 0 && one.e > 0);
+  const models = [...new Set(here.map((one) => one.model))];
   const data = models.map((model, k) => {
-    const rows = here.filter((row) => row[1] === model).sort((a, b) => a[4] - b[4]);
+    const rows = here.filter((one) => one.model === model).sort((a, b) => a.ms - b.ms);
     return {
-      name: model, x: rows.map((row) => row[4]), y: rows.map((row) => row[5]),
-      mode: "lines+markers", line: {color: colour(k + 1), width: 1.5, dash: k < 6 ? "solid" : "dash"},
+      name: model, x: rows.map((one) => one.ms), y: rows.map((one) => one.e),
+      mode: "lines+markers", line: {color: colour(k + 1), width: 1.3, dash: ["solid", "dot", "dash"][Math.floor(k / 6) % 3]},
       marker: {symbol: SYMBOLS[k % 6] + (k < 6 ? "" : "-open"), size: 8, color: colour(k + 1)},
-      customdata: rows.map((row) => cell("", `${row[5]} % in ${row[4]} ms a pose`,
-        `${model}, elements ${row[2]}, ${modes}, ${name}`, row[6])),
-      text: rows.map((row) => row[2]),
+      customdata: rows.map((one) => cell("", `${one.e} % in ${one.ms} ms a pose`,
+        `${model}, ${one.elements || "no"} elements, ${modes}, ${name}`, one.record)),
+      text: rows.map((one) => one.elements),
       hovertemplate: `${model}, elements %{text}: %{y:.3g} % in %{x:.3g} ms<extra></extra>`,
     };
   });
   const log = {type: "log", exponentformat: "power", dtick: 1};
-  const layout = {xaxis: {...log, title: {text: "time a pose [ms]"}},
-    yaxis: {...log, title: {text: "largest |error| [%]"}}};
-  const caption = `Largest error of ${modes} against the time a pose takes, ${name}, for each model ` +
-    "and mesh.";
+  const layout = {xaxis: {...log, title: {text: "time a pose [ms]"}}, yaxis: {...log, title: {text: error}}};
+  const caption = `${error.replace(" [%]", "")}: the largest of ${modes} in percent, against the time a pose ` +
+    `takes, ${name}, for each model and mesh.`;
   return {data, layout, caption};
 });

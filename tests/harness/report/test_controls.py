@@ -1,0 +1,196 @@
+"""Every control of the page, in a real browser, changes what it should."""
+
+import csv
+from typing import Any
+
+import numpy as np
+import pytest
+
+
+def values(trace: dict[str, Any], key: str = "y") -> Any:
+    return np.array(trace[key], dtype=float)
+
+
+def test_fig3_shows_the_accepted_errors(tab: Any, made: Any) -> None:
+    tab.choose("fig3-case", "case2")
+    tab.choose("fig3-reference", "exudyn-beam@12+24")
+    with (made.results / "fig3.csv").open(newline="") as file:
+        accepted = [row for row in csv.DictReader(file) if (row["Case"], row[""]) == ("case2", "")]
+    traces = tab.draw("fig3-chart")
+    for i, trace in enumerate(traces[:6], 1):
+        assert list(values(trace)) == pytest.approx([float(row[f"e{i}"]) for row in accepted])
+
+
+def test_fig3_switches(tab: Any) -> None:
+    tab.choose("fig3-case", "case1")
+    everything = tab.draw("fig3-chart")
+    tab.choose("fig3-mode", "4")
+    one = tab.traces("fig3-chart")
+    assert len(one) < len(everything)
+    assert one[0]["name"] == "f<sub>4</sub>"
+    tab.choose("fig3-theory", "timoshenko")
+    assert np.abs(values(tab.traces("fig3-chart")[0])).max() != values(one[0]).max()
+    assert "Timoshenko with s elements" in tab.caption("fig3-chart")
+    tab.choose("fig3-reference", "timoshenko@exact")
+    tab.choose("fig3-scale", "log")
+    limit = values(tab.traces("fig3-chart")[0])
+    ratio = np.log(limit[3] / limit[7]) / np.log(2)
+    assert ratio == pytest.approx(2, abs=0.2), "second order, from 4 to 8 elements"
+    tab.choose("fig3-mode", "all")
+    tab.choose("fig3-scale", "linear")
+    tab.choose("fig3-theory", "euler-bernoulli")
+    drawn = tab.page.locator("#fig3-chart .scatterlayer .trace").count()
+    assert drawn == len(tab.traces("fig3-chart"))
+    assert tab.page.locator("#fig3-chart .scatterlayer .trace").first.locator(".point").count() == 8
+
+
+def test_budget_adds_up(tab: Any) -> None:
+    tab.draw("budget-chart")
+    for case in ("case1", "case2"):
+        for s in ("1", "3"):
+            tab.choose("budget-case", case)
+            tab.choose("budget-elements", s)
+            *parts, total = tab.traces("budget-chart")
+            assert [part["type"] for part in parts] == ["bar"] * len(parts)
+            added = sum(values(part) for part in parts)
+            np.testing.assert_allclose(added, values(total), rtol=1e-6)
+            assert f"with {s} element" in tab.caption("budget-chart")
+            assert case in tab.caption("budget-chart")
+    assert tab.page.locator("#budget-chart .bars .point").count() == 6 * len(parts)
+
+
+def test_work_and_precision(tab: Any) -> None:
+    dense, exact = tab.draw("work-chart") + [None] * (len(tab.draw("work-chart")) < 2)
+    assert exact is None, "the exact model is its own truth"
+    np.testing.assert_allclose(values(dense, "x"), [5, 6, 8])
+    np.testing.assert_allclose(values(dense), [0.2, 0.2 / 16, 0.2 / 256], rtol=1e-4)
+    tab.choose("work-error", "1")
+    assert [trace["name"] for trace in tab.traces("work-chart")] == ["dense", "exact"]
+    tab.choose("work-modes", "f1-f6")
+    (dense,) = tab.traces("work-chart")
+    np.testing.assert_allclose(values(dense), [17, 5.75, 5 + 12 / 256], rtol=1e-4)
+
+
+@pytest.mark.slow
+def test_workspace_choices(tab: Any) -> None:
+    (flat,) = tab.draw("ws-map")
+    assert len(flat["r"]) == 72 * 9 + 1
+    first = flat["colours"]
+    tab.choose("ws-mode", "2")
+    assert tab.traces("ws-map")[0]["colours"] != first
+    assert "f3 of timoshenko@exact" in tab.caption("ws-map")
+    tab.choose("ws-set", "the gate's poses")
+    assert len(tab.traces("ws-map")[0]["r"]) == 36
+    tab.choose("ws-layer", "600")
+    assert "z = 600 mm" in tab.caption("ws-map")
+    tab.choose("ws-model", "timoshenko@exact")
+    tab.choose("ws-mode", "0")
+    tab.choose("ws-show", "against")
+    error = values(tab.traces("ws-map")[0], "colours")
+    assert -5 < error.min() < error.max() < 0, "shear softens"
+    tab.choose("ws-model", "euler-bernoulli@exact")
+    assert values(tab.traces("ws-map")[0], "colours").min() > 0
+
+
+@pytest.mark.slow
+def test_workspace_names_the_pose_that_changed(tab: Any) -> None:
+    tab.draw("ws-map")
+    tab.choose("ws-set", "the gate's poses")
+    tab.choose("ws-run", "0")
+    tab.choose("ws-model", "timoshenko@exact")
+    tab.choose("ws-layer", "400")
+    tab.choose("ws-show", "since")
+    for since in ("1", "2"):
+        tab.choose("ws-since", since)
+        tab.choose("ws-mode", "1")
+        change = values(tab.traces("ws-map")[0], "colours")
+        assert (change != 0).sum() == 1
+        assert change.max() == pytest.approx(10, rel=1e-4), "ppm"
+        assert "1 of 36 poses differ" in tab.caption("ws-map")
+        tab.choose("ws-mode", "0")
+        assert "No pose differs" in tab.caption("ws-map")
+    tab.choose("ws-model", "euler-bernoulli@exact")
+    tab.choose("ws-mode", "1")
+    assert "No pose differs" in tab.caption("ws-map")
+    tab.choose("ws-run", "2")
+    assert tab.page.locator("#ws-show option[value=since]").is_disabled(), "nothing earlier"
+    assert tab.page.input_value("#ws-show") == "frequency"
+
+
+def test_history_marks_the_release(tab: Any) -> None:
+    traces = tab.draw("history-chart")
+    assert len(traces) == 6
+    for trace in traces:
+        np.testing.assert_allclose(values(trace), [-1, 0, 0], rtol=1e-5, atol=1e-9)  # ppm
+    marks = "document.getElementById('history-chart').layout.annotations.map(({text}) => text)"
+    assert tab.page.evaluate(marks) == ["rps-bench, dense, rps-bench 0.2.0"]
+    tab.choose("history-what", "frequency")
+    tab.choose("history-mode", "3")
+    (one,) = tab.traces("history-chart")
+    assert values(one)[-1] == pytest.approx(236.5285, rel=1e-6)
+    tab.choose("history-case", "case2")
+    tab.choose("history-model", "timoshenko@exact")
+    assert values(tab.traces("history-chart")[0])[-1] == pytest.approx(236.52, rel=1e-4)
+    tab.choose("history-along", "run")
+    assert tab.traces("history-chart")[0]["x"] == [1, 2, 3]
+    tab.choose("history-what", "solve")
+    assert (values(tab.traces("history-chart")[0]) > 0).all()
+    assert tab.page.locator("#history-mode").is_disabled()
+
+
+def test_claims_by_verdict_and_words(tab: Any) -> None:
+    page = tab.page
+    shown = page.locator(".claims li:visible")
+    assert shown.count() == 4
+    page.select_option("#claims-verdict", "fails")
+    assert shown.count() == 1
+    assert "</script>" in shown.inner_text(), "shown, not run"
+    assert page.title() != "taken"
+    page.select_option("#claims-verdict", "")
+    page.fill("#claims-search", "circularly 120")
+    assert shown.count() == 1
+    assert page.inner_text("#claims-count") == "1 of 4 claims"
+    page.fill("#claims-search", "")
+    assert shown.count() == 4
+
+
+def test_a_number_says_where_it_comes_from(tab: Any) -> None:
+    page = tab.page
+    row = page.locator("#claims tr", has_text="Error (%)").first
+    row.locator("button").first.click()
+    dialog = page.locator("#record")
+    text = dialog.inner_text()
+    for part in ("f1: Error (%), case1", "1.47552552", "euler-bernoulli@3 at case1",
+                 "exudyn-beam@12+24 at case1", "exudyn 1.13.6", "12 and 24 a limb, extrapolated",
+                 "Timoshenko", "rps-bench table --cases case1 --model euler-bernoulli@3"):  # fmt: skip
+        assert part in text
+    page.keyboard.press("Escape")
+    assert not dialog.is_visible()
+
+
+def test_a_point_says_where_it_comes_from(tab: Any) -> None:
+    tab.draw("fig3-chart")
+    tab.page.locator("#fig3-chart .point").first.dispatch_event("click")
+    point = tab.page.locator("#fig3-chart .point").first.bounding_box()
+    tab.page.mouse.move(point["x"] + point["width"] / 2, point["y"] + point["height"] / 2)
+    tab.page.wait_for_timeout(100)
+    tab.page.mouse.click(point["x"] + point["width"] / 2, point["y"] + point["height"] / 2)
+    dialog = tab.page.locator("#record")
+    dialog.wait_for()
+    assert "rps-bench convergence --cases" in dialog.inner_text()
+    dialog.get_by_role("button", name="Close").click()
+    assert not dialog.is_visible()
+
+
+def test_numbers_under_a_chart(tab: Any) -> None:
+    tab.choose("fig3-mode", "all")
+    tab.page.locator("#fig3-chart-numbers summary").click()
+    table = tab.page.locator("#fig3-chart-numbers table")
+    table.wait_for()
+    assert table.locator("tbody tr").count() == 8
+    assert table.locator("button").count() == 48
+
+
+def test_what_cannot_be_read_is_named(tab: Any) -> None:
+    assert "foreign.parquet" in tab.page.inner_text("#skipped")
+    assert "failed" in tab.page.inner_text("#status")

@@ -1,0 +1,220 @@
+"""The page as people meet it: by keyboard, on paper, on a phone, in the dark, without WebGL."""
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
+
+SECTIONS = ["status", "claims", "fig3", "budget", "work-precision", "workspace", "shapes",
+            "history", "provenance"]  # fmt: skip
+CHARTS = ["fig3-chart", "budget-chart", "work-chart", "ws-map", "ws-surface", "shape-chart",
+          "history-chart"]  # fmt: skip
+
+SMALL = {"width": 800, "height": 600}
+
+
+def picture(locator: Any) -> np.ndarray:
+    return np.asarray(Image.open(io.BytesIO(locator.screenshot())).convert("RGB"), dtype=int)
+
+
+def wide(page: Any) -> int:
+    found: int = page.evaluate("document.documentElement.scrollWidth - innerWidth")
+    return found
+
+
+def test_every_section_is_there(tab: Any) -> None:
+    here = "[...document.querySelectorAll('main > section')].map(({id}) => id)"
+    assert tab.page.evaluate(here) == SECTIONS
+    assert tab.page.locator(".missing").count() == 0
+    assert [a.get_attribute("href") for a in tab.page.locator("nav a").all()] == [
+        f"#{key}" for key in SECTIONS
+    ]
+
+
+@pytest.mark.slow
+def test_pictures(made: Any, opened: Any) -> None:
+    """Every chart draws something in its modes' colours, and in the dark something else."""
+    with opened(made.file, viewport=SMALL) as tab:
+        for chart in CHARTS:
+            tab.draw(chart)
+            tab.page.wait_for_timeout(800 if chart in ("ws-surface", "shape-chart") else 100)
+            light = picture(tab.page.locator(f"#{chart}"))
+            assert len(np.unique(light.reshape(-1, 3), axis=0)) > 20, chart
+            tab.page.click("#theme")
+            tab.page.wait_for_timeout(800 if chart in ("ws-surface", "shape-chart") else 100)
+            dark = picture(tab.page.locator(f"#{chart}"))
+            assert dark.mean() < 0.5 * light.mean(), chart
+            tab.page.click("#theme")
+
+
+@pytest.mark.slow
+def test_shapes_turn_and_move(tab: Any) -> None:
+    page = tab.page
+    traces = tab.draw("shape-chart")
+    assert [trace["type"] for trace in traces] == ["mesh3d"] * 8 + ["scatter3d"]
+    page.wait_for_timeout(800)
+    still = [picture(page.locator("#shape-chart")) for _ in range(2)]
+    assert (still[0] == still[1]).all(), "nothing moves unasked"
+    tab.choose("shape-mode", "3")
+    third = tab.traces("shape-chart")
+    assert third[4]["x"] != traces[4]["x"]
+    assert third[0]["x"] == traces[0]["x"], "the undeformed mechanism stays"
+    tab.choose("shape-case", "case2")
+    assert tab.traces("shape-chart")[0]["x"] != traces[0]["x"]
+    tab.choose("shape-model", "timoshenko@exact")
+    assert "236.52" in tab.caption("shape-chart")
+    eye = "document.getElementById('shape-chart')._fullLayout.scene.camera.eye"
+    before = page.evaluate(eye)
+    for name in ("Turn left", "Look from higher", "Nearer"):
+        page.get_by_role("button", name=name).click()
+        after = page.evaluate(eye)
+        assert after != before, name
+        before = after
+    page.get_by_role("button", name="Play").click()
+    places = []
+    for _ in range(3):
+        page.wait_for_timeout(300)
+        places.append(tab.traces("shape-chart")[7]["z"])
+    assert places[0] != places[1] != places[2]
+    page.get_by_role("button", name="Pause").click()
+    page.wait_for_timeout(500)
+    assert tab.traces("shape-chart")[7]["z"] == tab.traces("shape-chart")[7]["z"]
+
+
+@pytest.mark.slow
+def test_the_drawn_shape_is_the_mode(tab: Any, made: Any) -> None:
+    """The platform's centre as drawn moves the way of Modes.platform, to a fifth of a limb."""
+    tab.draw("shape-chart")
+    tab.choose("shape-case", "case2")
+    tab.choose("shape-model", "rayleigh@3")
+    tab.choose("shape-mode", "2")
+    traces = tab.traces("shape-chart")
+    moved = np.array([traces[7][axis][0] - traces[3][axis][0] for axis in "xyz"])
+    modes = made.sources.study.modes["case2", "rayleigh@3"]
+    mode = modes.platform[1, :3]
+    assert moved @ mode / np.linalg.norm(moved) / np.linalg.norm(mode) == pytest.approx(1, abs=1e-4)
+    largest = np.abs(modes.limbs[1]).max()
+    length = np.linalg.norm(moved) / np.linalg.norm(mode) * largest
+    assert length == pytest.approx(0.2 * 0.5, rel=0.05), "a fifth of some half a metre"
+
+
+@pytest.mark.slow
+def test_by_keyboard_alone(made: Any, opened: Any) -> None:
+    """Tab reaches every control, and each shows that it has the focus."""
+    with opened(made.file, viewport=SMALL) as tab:
+        page, focused = tab.page, "document.activeElement"
+        page.keyboard.press("Tab")
+        assert page.evaluate(f"{focused}.className") == "skip"
+        page.keyboard.press("Enter")
+        assert page.evaluate(f"{focused}.id") == "main"
+        page.reload()
+        page.locator("html[data-charts]").wait_for()
+        page.evaluate("""document.addEventListener("focusin", ({target}) => {
+            const {outlineStyle, outlineWidth} = getComputedStyle(target);
+            target.dataset.seen = outlineStyle !== "none" && parseFloat(outlineWidth) >= 1; })""")
+        controls = "a, button:visible, select:enabled, input, summary, [tabindex='0']:visible"
+        wanted = page.locator(controls).count()
+        for _ in range(wanted):
+            page.keyboard.press("Tab")
+        assert page.locator("[data-seen=true]").count() == wanted
+        page.locator("#claims button.n").first.focus()
+        page.keyboard.press("Enter")
+        assert page.locator("#record").is_visible()
+        page.keyboard.press("Escape")
+        assert not page.locator("#record").is_visible()
+        assert page.evaluate(f"{focused}.className") == "n", "back where it was"
+        page.locator("#fig3-mode").focus()
+        page.keyboard.press("ArrowDown")
+        assert page.input_value("#fig3-mode") == "1"
+
+
+@pytest.mark.slow
+def test_on_paper(made: Any, opened: Any) -> None:
+    with opened(made.file, color_scheme="dark") as tab:
+        page = tab.page
+        page.emulate_media(media="print", color_scheme="dark")
+        for chart in CHARTS:
+            page.locator(f"#{chart}.js-plotly-plot").wait_for()
+        assert page.evaluate("document.documentElement.dataset.theme") == "light"
+        assert page.locator("nav, .controls, summary, #theme").locator("visible=true").count() == 0
+        assert page.locator("details.print:not([open])").count() == 0
+        assert page.locator("#budget table tr").count() > 20
+        paper = page.pdf(format="A4")
+        assert len(paper) > 50_000
+        page.emulate_media(media="screen", color_scheme="dark")
+        page.wait_for_timeout(100)
+        assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+        assert page.locator("#theme").is_visible()
+        assert page.locator("#budget details[open]").count() == 0
+
+
+@pytest.mark.slow
+def test_on_a_phone(made: Any, opened: Any) -> None:
+    size = {"width": 360, "height": 740}
+    with opened(made.file, viewport=size, has_touch=True, is_mobile=True) as tab:
+        assert wide(tab.page) == 0
+        for chart in CHARTS:
+            tab.draw(chart)
+            box = tab.page.locator(f"#{chart}").bounding_box()
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= 360
+        for summary in tab.page.locator("summary").all():
+            summary.click()
+        assert wide(tab.page) == 0
+        tab.page.locator("#claims button.n").first.click()
+        box = tab.page.locator("#record").bounding_box()
+        assert 0 <= box["x"] < box["x"] + box["width"] <= 360
+
+
+@pytest.mark.slow
+def test_accessible(made: Any, opened: Any) -> None:
+    """No violation of any rule of axe, in light and dark, all tables and a dialog open."""
+    with opened(made.file, viewport=SMALL) as tab:
+        page = tab.page
+        for chart in CHARTS:
+            tab.draw(chart)
+        page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true })")
+        for theme in ("light", "dark"):
+            assert page.evaluate("document.documentElement.dataset.theme") == theme
+            found = Axe().run(page)
+            assert found.violations_count == 0, found.generate_report()
+            page.click("#theme")
+        page.locator("#claims button.n").first.click()
+        found = Axe().run(page)
+        assert found.violations_count == 0, found.generate_report()
+
+
+@pytest.mark.slow
+def test_without_webgl(made: Any, opened: Any) -> None:
+    none = """const own = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+            return kind.startsWith("webgl") ? null : own.call(this, kind, ...rest) };"""
+    with opened(made.file, none, viewport=SMALL) as tab:
+        for chart in ("ws-surface", "shape-chart"):
+            place = tab.page.locator(f"#{chart}")
+            place.scroll_into_view_if_needed()
+            tab.page.locator(f"#{chart}.empty").wait_for()
+            assert "no WebGL" in place.inner_text()
+        tab.page.get_by_role("button", name="Play").click()
+        tab.page.get_by_role("button", name="Turn left").click()
+        assert len(tab.draw("ws-map")[0]["r"]) > 0
+
+
+def test_the_theme_is_chosen(made: Any, opened: Any) -> None:
+    with opened(made.file, color_scheme="dark") as tab:
+        page = tab.page
+        tab.draw("fig3-chart")
+        ground = "getComputedStyle(document.body).backgroundColor"
+        ink = "document.getElementById('fig3-chart')._fullLayout.font.color"
+        dark = page.evaluate(ground), page.evaluate(ink)
+        page.click("#theme")
+        light = page.evaluate(ground), page.evaluate(ink)
+        assert light == ("rgb(255, 255, 255)", "#1c2127")
+        assert dark != light
+        page.reload()
+        assert page.evaluate(ground) == light[0], "remembered"
+        tab.asked.clear()
+        tab.asked.append(page.url)
