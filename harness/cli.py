@@ -14,6 +14,7 @@ from analytic import InputError, __version__
 from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
+from harness.check_command import check
 from harness.claims_command import claims
 from harness.dashboard_command import dashboard
 from harness.files import OutputError
@@ -288,3 +289,6 @@ cli.add_command(dashboard)
 
 
 cli.add_command(identify)
+
+
+cli.add_command(check)

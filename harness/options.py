@@ -204,6 +204,10 @@ def _history(text: str) -> Path | None:
     return None if text == "none" else Path(text)
 
 
+WRITES = ("output", "history", "json", "markdown", "junit")
+"""Options that say where to write, not what to compute."""
+
+
 def as_typed() -> str:
     """Return the command that runs now with its options, but for where it writes."""
     context = click.get_current_context()
@@ -211,8 +215,9 @@ def as_typed() -> str:
     for option in context.command.params:
         name = option.name or ""
         source = context.get_parameter_source(name)
-        if source is ParameterSource.COMMANDLINE and name not in ("output", "history"):
-            words += [option.opts[0], str(context.params[name])]
+        if source is ParameterSource.COMMANDLINE and name not in WRITES:
+            flag = context.params[name] is True
+            words += [option.opts[0]] if flag else [option.opts[0], str(context.params[name])]
     return shlex.join(words)
 
 

@@ -24,6 +24,8 @@ FACTOR = 10
 """Noise is the largest of four deviations; ten times it leaves room for other processors."""
 FLOOR = 1e-12
 """Least noise, relative: a few thousand roundings."""
+NEAR = 0.5
+"""Noise above this part of a tolerance is a reason to widen it; less is chance among samples."""
 ORDER = 0.02
 """Least tolerance of an observed order."""
 
@@ -59,7 +61,7 @@ class Baseline:
     def allowed(self, key: Key) -> float:
         """Return the tolerance of a frequency, relative."""
         case, model, mode = key
-        return self.tolerance[_group(case), model, mode]
+        return self.tolerance[group(case), model, mode]
 
     def order_tolerance(self, key: Key) -> float:
         """Return the tolerance of an observed order: that of the frequencies, carried through.
@@ -98,7 +100,7 @@ def measure_noise(
                     own = noise(model, *pose, frequencies, SPARE, equivalents)
                     own = np.maximum(own, np.sqrt((own**2).mean()))
                     for i, value in enumerate(own.tolist()):
-                        key = (_group(case.name), spec.label, i + 1)
+                        key = (group(case.name), spec.label, i + 1)
                         found[key] = max(found.get(key, 0.0), value)
                 done(f"noise of {spec.label}")
     return found
@@ -119,8 +121,9 @@ def accept(
 ) -> Baseline:
     """Return the baseline that takes `now`: tolerances the smaller of old and newly measured.
 
-    With a `reason` they are as measured; every wider one is then recorded with `about` (time and
-    commit), after `reasons`, those of whatever else was accepted. Models not measured stay.
+    With a `reason` they widen where noise has come near them (`NEAR`); every one that does is
+    recorded with `about` (time and commit), after `reasons`, those of whatever else was accepted.
+    Models not measured stay as they are.
     """
     fresh = tolerances(noise)
     if before is None:
@@ -128,11 +131,12 @@ def accept(
     kept, wider = dict(before.tolerance), []
     for key, value in fresh.items():
         old = kept.get(key, value)
-        if value > old and reason:
+        widen = bool(reason) and value > old and noise[key] > NEAR * old
+        if widen:
             case, model, mode = key
             wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
                                 repr(old), repr(value), reason))  # fmt: skip
-        kept[key] = value if reason else min(old, value)
+        kept[key] = value if widen else min(old, value)
     return Baseline(
         before.figures.updated(now),
         before.noise | dict(noise),
@@ -214,5 +218,6 @@ def _csv(header: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> bytes:
     return text.getvalue().encode()
 
 
-def _group(case: str) -> str:
+def group(case: str) -> str:
+    """Return a finding's case; of all poses of the map, the map."""
     return MAP if case.startswith(MAP) else case
