@@ -43,7 +43,7 @@ SOLIDS = ("ngsolve-solid", "calculix-solid")
 MODES = 6
 STEPS = range(1, 9)
 ROUNDS = 11
-THINNEST = 0.01
+THINNEST = 0.02
 LIMIT_ANGLES = (30.0, 45.0, 60.0)
 SHAPE = (36, 8)
 """Azimuths and tilts of a layer."""
@@ -112,7 +112,7 @@ def beams(cases: Sequence[Case]) -> Beams:
         found = spec.build().modes(case.mechanism, case.pose, MODES).frequencies
         readings[case.name] = (case.published, found)
     # The printed stroke, level: o is as high as a limb's end.
-    scan_z = np.linspace(Limits().length_min, Limits().length_max, 8001)
+    scan_z = np.linspace(Limits().length_min, Limits().length_max, 801)
     scan = {
         case.name: condensed_frequencies(
             case.mechanism, Pose(scan_z, case.pose.azimuth, case.pose.tilt), PAPER_ELEMENTS
@@ -163,7 +163,7 @@ def slender(cases: Sequence[Case]) -> Slender:
     """Return how both theories differ from rods of d/L = `THINNEST` up to the printed ones."""
     rods = [case.mechanism.limbs[0].rod.diameter for case in cases]
     lengths = [limbs_at(case.mechanism, case.pose).lengths.mean() for case in cases]
-    ratios = np.geomspace(THINNEST, max(d / L for d, L in zip(rods, lengths, strict=True)), 12)
+    ratios = np.geomspace(THINNEST, max(d / L for d, L in zip(rods, lengths, strict=True)), 6)
     first, frequencies, stiffness = np.zeros((3, len(ratios)))
     for k, ratio in enumerate(ratios.tolist()):
         for case in (with_rods(case, ratio) for case in cases):

@@ -1,0 +1,107 @@
+"""Every claim's verdict as the models have it, the rules it follows, and the accepted results."""
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from harness.claims import judge
+from harness.claims_checks import CHECKS
+from harness.claims_data import CANNOT, HOLDS, Claim, Finding, claims, rules
+from harness.claims_facts import CASES, PAPER, Facts, Reference
+from harness.claims_measure import gather
+
+RESULTS = Path(__file__).parents[3] / "results"
+BY_ID = {claim.id: claim for claim in claims()}
+TIMED = {"times", "fea_times"}
+Kind = Callable[[Facts, Claim], str]
+
+
+def every_claim() -> list[Any]:
+    """Claims on the whole workspace take seconds to measure."""
+    slow = pytest.mark.slow
+    return [
+        pytest.param(claim, id=claim.id, marks=slow if "maps" in CHECKS[claim.check].groups else ())
+        for claim in claims()
+    ]
+
+
+@pytest.mark.parametrize("claim", every_claim())
+def test_verdict(
+    claim: Claim, facts_for: Callable[[Claim], Facts], kind: Kind, expected: dict[str, str]
+) -> None:
+    assert kind(facts_for(claim), claim) == expected[claim.id]
+
+
+def finding(facts: Facts, name: str) -> Finding:
+    (checked,), unchecked = judge([BY_ID[name]], facts, {})
+    assert not unchecked
+    return checked.finding
+
+
+def test_a_number_agrees_within_its_rounding_and_the_references_uncertainty(facts: Facts) -> None:
+    assert facts.printed.table["case1", "FEA"][0] == 114.87
+    rounding = rules().rounding
+    for off, own, expected in (
+        (0.99 * rounding, 0.0, HOLDS),
+        (1.01 * rounding, 0.0, CANNOT),
+        (0.99 * (rounding + 0.4), 0.4, HOLDS),
+        (1.01 * (rounding + 0.4), 0.4, CANNOT),
+    ):
+        hertz, uncertainty = {"case1": np.full(6, 114.87 + off)}, {"case1": np.full(6, own)}
+        found = Reference("planted", hertz, uncertainty)
+        planted = replace(facts, fea=found, solid=found)
+        assert finding(planted, "table1-case1-fea-f1").kind == expected
+
+
+def test_references_that_disagree_make_it_a_condition(facts: Facts) -> None:
+    planted = Reference("planted", {"case1": np.full(6, 114.87)}, {"case1": np.zeros(6)})
+    found = finding(replace(facts, fea=planted), "table1-case1-fea-f1")
+    assert found.verdict == "holds only if the finite elements are those of planted"
+
+
+def test_causes_add_up_to_the_error(facts: Facts) -> None:
+    found = finding(facts, "error-case1-f4-s3")
+    totals = [float(x) for x in re.findall(r"([+-][0-9.]+) % against", found.measured)]
+    parts = [float(x) for x in re.findall(r"[+-][0-9.]+(?=[,;]|$)", found.verdict)]
+    assert len(parts) == 8
+    np.testing.assert_allclose([sum(parts[:4]), sum(parts[4:])], totals, atol=2e-3)
+    assert "mostly shear" in found.verdict
+    assert facts.beams
+    coarse = {("case1", PAPER): facts.beams.hertz["case1", "euler-bernoulli@1"]}
+    beams = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
+    found = finding(replace(facts, beams=beams), "error-case1-f4-s3")
+    assert "mostly number of elements" in found.verdict
+
+
+def test_the_accepted_results_are_these(expected: dict[str, str]) -> None:
+    found = {row["id"]: row for row in json.loads((RESULTS / "claims.json").read_text())}
+    assert list(found) == list(BY_ID)
+    for name, row in found.items():
+        assert row["verdict"].startswith(row["kind"])
+        assert [row[key] for key in ("section", "quoted", "command", "how")] == [
+            getattr(BY_ID[name], key) for key in ("section", "quoted", "command", "how")
+        ]
+        assert row["kind"] == expected[name] or TIMED & set(CHECKS[BY_ID[name].check].groups)
+
+
+@pytest.mark.slow
+def test_real_simulators_give_the_same_verdicts(facts: Facts, expected: dict[str, str]) -> None:
+    """Only timings are left out: a busy machine may change them."""
+    real, missing = gather(["beams", "fea", "solid"])
+    assert not missing
+    chosen = [c for c in claims() if {"fea"} & set(CHECKS[c.check].groups)]
+    found, unchecked = judge(chosen, real, missing)
+    assert found and not unchecked
+    assert {c.claim.id: c.finding.kind for c in found} == {c.id: expected[c.id] for c in chosen}
+    # The accepted frequencies that the quick tests stand on are what comes out.
+    for one, stored in ((real.fea, facts.fea), (real.solid, facts.solid)):
+        assert one and stored and one.label == stored.label
+        for case in CASES:
+            np.testing.assert_allclose(one.hertz[case], stored.hertz[case], rtol=1e-6)
+            assert (one.uncertainty[case] > 0).all()
