@@ -3,6 +3,7 @@
 import numpy as np
 
 from harness.claims_data import FAILS, HOLDS, ONLY_IF, Claim, Finding, Rules
+from harness.claims_equations import STEP
 from harness.claims_facts import PAPER, PHI, Equations, Facts, Floats
 
 WHOLE = "none: whole numbers"
@@ -61,7 +62,7 @@ def lengths(facts: Facts, claim: Claim, rules: Rules) -> Finding:
 def compatibility(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     """Is Eq. (10) the motion of a point of a rigid body?"""
     found = _of(facts).compatibility
-    own = 1e-7  # of the central difference: its step squared, over six
+    own = STEP**2  # more than a central difference errs by
     verdict = HOLDS if found <= own else f"{FAILS}: A_i moves otherwise"
     measured = f"A_i moves as it says to {found:.1e} of its arm"
     return Finding(measured, f"{own:.0e} (central difference)", verdict)
