@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from harness.check_study import YARDSTICK
 from harness.store import History
 
-WINDOWS = {5: 1.9, 20: 1.2}
+SHORT = 5
+WINDOWS = {SHORT: 1.9, 20: 1.2}
 """Runs looked at together, and the mean score above which they are a change. In normal noise that
 is 4.2 and 5.4 standard deviations of such a mean; docs/gate.md has the simulated alarm rates."""
 LEAST = 15
 """Runs before a window that it takes to know the noise."""
 MOST = 100
 """Runs before a window that are looked at: a machine ages."""
+LONGEST = 300
+"""Runs of a series that are looked at."""
 CLIP = 2.5
 QUIET = 0.03
 """Noise is taken as 3 % at least: smaller changes of seconds are of no interest."""
@@ -70,40 +73,60 @@ class Timing:
     since: datetime
 
 
-def change(series: Sequence[float]) -> Change | None:
-    """Return how much the end of `series` (ln seconds, oldest first) lies above what came before.
+def changes(series: Sequence[float]) -> list[Change | None]:
+    """Return, at every run, how much the end of `series` so far lies above what came before.
 
-    Of the windows the one closest to firing; None where the series is too short. Runs that raised
-    an alarm never become the reference: it goes on until they are fast again.
+    `series`: ln seconds, oldest first. Of the windows the one closest to firing; None where the
+    series is too short. Runs that raised an alarm never become the reference: it goes on until
+    they are fast again.
     """
     values = np.asarray(series, dtype=float)
-    found = [_moving(values, length, limit) for length, limit in WINDOWS.items()]
-    return max((c for c in found if c is not None), key=lambda c: c.score, default=None)
+    courses = [_moving(values, length, limit) for length, limit in WINDOWS.items()]
+    return [
+        max((one for one in found if one is not None), key=lambda one: one.score, default=None)
+        for found in zip(*courses, strict=True)
+    ]
 
 
-def _moving(values: NDArray[np.float64], length: int, limit: float) -> Change | None:
+def _moving(values: NDArray[np.float64], length: int, limit: float) -> list[Change | None]:
     reference: list[float] = []
-    last: Change | None = None
-    for end in range(length, len(values) + 1):
-        if last is None or not last.happened:
-            # What just left the window was no alarm.
-            reference += values[end - length - 1 : end - length].tolist()
+    found: list[Change | None] = []
+    alarm = False
+    for i in range(len(values)):
+        if i >= length and not alarm:
+            reference.append(float(values[i - length]))  # it left the window, and was no alarm
         if len(reference) < LEAST:
+            found.append(None)
             continue
         known = np.array(reference[-MOST:])
-        middle, noise = float(np.median(known)), _noise(known)
-        window = values[end - length : end]
-        score = np.clip((window - middle) / noise, -CLIP, CLIP).mean() / limit
-        factor = float(np.exp(np.median(window) - middle))
-        last = Change(factor, float(score), noise, length, len(values))
-    return last
+        middle, noise = _spread(known)
+        window = values[i - length + 1 : i + 1]
+        scores = np.minimum(np.maximum((window - middle) / noise, -CLIP), CLIP)
+        # Over for some runs, it is over, whatever a long window still remembers.
+        over = scores[-SHORT:].mean() < WINDOWS[SHORT] / 3
+        score = 0.0 if over else float(scores.mean()) / limit
+        factor = float(np.exp(_median(window) - middle))
+        found.append(Change(factor, score, noise, length, i + 1))
+        alarm = score >= 1
+    return found
 
 
-def _noise(values: NDArray[np.float64]) -> float:
-    """Return the standard deviation by mean deviation, outliers cut off, widened for few values."""
-    away = np.abs(values - np.median(values))
-    cut = np.minimum(away, 3 * 1.4826 * np.median(away))
-    return max(QUIET, float(np.sqrt(np.pi / 2) * cut.mean() * (1 + 1 / len(values))))
+def _spread(values: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the median and the standard deviation of one more value.
+
+    By the mean deviation, outliers cut off, widened for few values.
+    """
+    middle = _median(values)
+    away = np.abs(values - middle)
+    cut = np.minimum(away, 3 * 1.4826 * _median(away))
+    noise = float(np.sqrt(np.pi / 2) * cut.mean() * (1 + 1 / len(values)))
+    return middle, max(QUIET, noise)
+
+
+def _median(values: NDArray[np.float64]) -> float:
+    """Return the median; `numpy.median` takes ten times as long for so few."""
+    ranked, half = np.sort(values), len(values) // 2
+    return float(ranked[half] + ranked[-half - 1]) / 2
 
 
 def timings(
@@ -120,8 +143,8 @@ def timings(
         times: list[datetime] = runs["time"].to_list()
         first = (since or {}).get(name, datetime.min)
         kept = [(t, x) for t, x in zip(times, runs["slowness"], strict=True) if t >= first]
-        values = [x for _, x in kept]
-        slower, faster = change(values), change([-x for x in values])
+        values = [x for _, x in kept[-LONGEST:]]
+        slower, faster = ([None, *changes(x)][-1] for x in (values, [-x for x in values]))
         if slower is None or faster is None:
             continue
         began = kept[-(slower if slower.score >= faster.score else faster).window][0]
