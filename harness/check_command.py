@@ -25,6 +25,8 @@ DEFAULT = "results/baseline"
 @click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose.")
 @click.option("--accept", is_flag=True, help="Make what was found the baseline.")
 @click.option("--reason", metavar="TEXT", help="Why something is accepted that lowers the bar.")
+@click.option("--compare", metavar="A,B",
+              help="Instead: models in two environments, mujoco==3.17.0,mujoco==4.0.0.")  # fmt: skip
 @click.option("--output", metavar="DIR", help="Folder for check.json, check.md and check.xml.")
 @click.option("--json", metavar="FILE", help="Everything, for programs.")
 @click.option("--markdown", metavar="FILE", help="A summary as GitHub-flavoured Markdown.")
@@ -37,6 +39,7 @@ def check(
     quick: bool,
     accept: bool,
     reason: str | None,
+    compare: str | None,
     output: str | None,
     **files: str | None,
 ) -> int:
@@ -46,6 +49,10 @@ def check(
     frequencies, shapes, mode counts, orders and seconds with the baseline; and checks what needs
     none: symmetries, units, limits, agreement. Accepting tightens; anything else takes --reason.
     """
+    if compare is not None:
+        if accept or quick or reason is not None or any(files.values()):
+            raise InputError("--compare", compare, "no option beside it but --models and --output")
+        return _compare(compare, models, output)
     from harness import check_study
     from harness.terminal import progress, show
 
@@ -74,6 +81,20 @@ def check(
         return 0 if report.passed else 1
     assert target is not None
     return _accept(target, report, checked, known, reason or "", begin)
+
+
+def _compare(text: str, models: str | None, output: str | None) -> int:
+    """Show what the same study gives in two environments."""
+    from harness.environments import compare, requirements, study
+    from harness.terminal import progress, show, write
+
+    both, target = requirements(text), folder(output)
+    labels = study(*both, None if models is None else split("--models", models))
+    with progress(2 * len(labels)) as done:
+        table = compare(*both, labels, done=done)
+    show(table)
+    write(target, table.files("environments"))
+    return 0
 
 
 def _target(text: str) -> Path | None:

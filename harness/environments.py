@@ -22,6 +22,7 @@ from reference_models import UnavailableError, catalogue
 
 _BENCH = "from harness.cli import main; main()"
 _OURS = "rps-bench: "
+_EXAMPLE = "as in mujoco==3.17.0,mujoco==4.0.0"
 _KEY = ["model", "case", "mode"]
 
 
@@ -42,31 +43,39 @@ class Environment:
 def compare(
     before: str,
     after: str,
-    references: Sequence[str] | None = None,
+    labels: Sequence[str],
     options: Sequence[str] = (),
     done: Callable[[str], None] = lambda _: None,
 ) -> Table:
     """Run `rps-bench table` with each requirement (as in mujoco==3.17.0) and return what changed.
 
-    `references` are names or labels, by default the simulators of the requirements' program; a bare
-    name means the same elements in both. `options` go to both commands. The environments lie over
-    this one, which is left as it is. `done` hears of each run. Raises `UnavailableError` without uv
-    or where it cannot make an environment.
+    `labels` of models as of `study`; `options` go to both commands. The environments lie over this
+    one, which is left as it is. `done` hears of each model in each. Raises `UnavailableError`
+    without uv or where it cannot make an environment.
     """
-    given = of_program(before, after) if references is None else references
-    labels = [parse(name, "--references").label for name in given]
     first, second = (_solve(text, labels, options, done) for text in (before, after))
     return _table(first, second, labels)
 
 
-def of_program(*requirements: str) -> list[str]:
-    """Return the simulators that run on the distribution the requirements name."""
-    wanted = {_distribution(text) for text in requirements}
-    found = [name for name, info in catalogue() if info.program.lower() in wanted]
-    if not found:
-        expected = "two requirements of one simulator, as in mujoco==3.17.0,mujoco==4.0.0"
-        raise InputError("--compare", ",".join(requirements), expected)
-    return found
+def requirements(text: str) -> tuple[str, str]:
+    """Return the two requirements that --compare names."""
+    found = [part.strip() for part in text.split(",")]
+    if len(found) != 2 or not all(map(_distribution, found)) or found[0] == found[1]:
+        raise InputError("--compare", text, f"two requirements, {_EXAMPLE}")
+    return found[0], found[1]
+
+
+def study(before: str, after: str, models: Sequence[str] | None = None) -> list[str]:
+    """Return labels of what to solve: `models`, by default all that run on the program named.
+
+    A bare name means the same elements in both environments, those it has here.
+    """
+    if models is None:
+        wanted = {_distribution(before), _distribution(after)}
+        models = [name for name, info in catalogue() if info.program.lower() in wanted]
+        if not models:
+            raise InputError("--compare", f"{before},{after}", f"a simulator's package, {_EXAMPLE}")
+    return [parse(name, "--models").label for name in models]
 
 
 def _distribution(requirement: str) -> str:

@@ -100,8 +100,8 @@ def history(
 
     if history is None:
         raise InputError("--history", "none", "a folder to read runs from")
-    if sql is not None and any(given.values()):
-        raise InputError("--sql", sql, "no filter beside it: they go into its WHERE")
+    if sql is not None and (as_rows or any(given.values())):
+        raise InputError("--sql", sql, "no filter beside it: it has a WHERE of its own")
     target = _target(export)
     where, values = Wanted(**given).where()
     asked = _ROWS if as_rows or target is not None else _RUNS
@@ -151,7 +151,8 @@ def _export(found: "pl.DataFrame", target: Path) -> None:
             case _:
                 found.write_parquet(content)
     except PolarsError as error:
-        raise InputError("--export", str(target), f"another form ({error})") from None
+        reason = str(error).splitlines()[0]
+        raise InputError("--export", str(target), f"another form ({reason})") from None
     write_all(target.parent, {target.name: content.getvalue()}, "--export")
 
 

@@ -2,6 +2,7 @@
 
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 
 from analytic import InputError
 from harness import environments
-from harness.environments import Environment, compare, of_program
+from harness.environments import Environment, compare, study
 from harness.store import append, open_history
 from harness.tables import Table
 from reference_models import UnavailableError
@@ -150,13 +151,30 @@ def test_without_uv(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     with pytest.raises(UnavailableError, match="uv, which is not here; pip install uv"):
-        compare("mujoco==1", "mujoco==2")
+        compare("mujoco==1", "mujoco==2", ["mujoco-chain@4"])
 
 
 def test_the_simulators_of_a_requirement() -> None:
-    assert of_program("mujoco==3.17.0", "mujoco>=4") == ["mujoco-cable", "mujoco-chain"]
-    with pytest.raises(InputError, match="--compare = 'flask==1,flask==2'"):
-        of_program("flask==1", "flask==2")
+    both = "mujoco==3.17.0", "mujoco>=4"
+    assert [label.split("@")[0] for label in study(*both)] == ["mujoco-cable", "mujoco-chain"]
+    assert study(*both, ["exudyn-beam", "rayleigh@2"]) == ["exudyn-beam@12+24", "rayleigh@2"]
+    with pytest.raises(InputError, match="--compare = 'flask==1,flask==2': expected a simulator"):
+        study("flask==1", "flask==2")
+
+
+@pytest.mark.slow
+def test_the_command(rps_bench: Callable[..., Any], uv: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    answer = rps_bench(
+        "check", "--compare", "rich==1,rich==2", "--models", "exudyn-cable@2", "--output", str(out)
+    )
+    assert answer.status == 0
+    assert "rich==1 against rich==2" in answer.out
+    frame = pl.read_csv(out / "environments.csv")
+    assert frame.height == 2 * 6
+    assert frame["Difference (%)"].abs().max() == 0
+    broken = rps_bench("check", "--compare", "rich==1,broken==2", "--models", "exudyn-cable@2")
+    assert (broken.status, broken.err) == (2, "rps-bench: broken==2: cause: broken is broken\n")
 
 
 @pytest.mark.slow

@@ -111,6 +111,33 @@ def test_exports_agree(rps_bench: Bench, past: Path, tmp_path: Path, form: str) 
     assert found["frequency_hz"].n_unique() == 4
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--mode", "0"], "--mode = '0': expected whole numbers"),
+        (["--model", ""], "--model = '': expected names"),
+        (["--since", "soon"], "--since = 'soon': expected a date as in 2026-01-31"),
+        (["--history", "none"], "--history = 'none': expected a folder to read runs from"),
+        (["--sql", "DROP TABLE rows"], "--sql = 'DROP TABLE rows': expected one SELECT"),
+        (["--sql", "SELECT 1", "--mode", "1"], "--sql = 'SELECT 1': expected no filter beside it"),
+        (["--sql", "SELECT 1", "--rows"], "--sql = 'SELECT 1': expected no filter beside it"),
+        (["--export", "rows.xls"], "--export = 'rows.xls': expected a file that ends in one of"),
+        (["--sql", "SELECT [mode] FROM rows", "--export", "rows.csv"], "--export = 'rows.csv'"),
+    ],
+    ids=" ".join,
+)
+def test_bad_input(
+    rps_bench: Bench, past: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], said: str
+) -> None:
+    monkeypatch.chdir(past.parent)
+    answer = rps_bench("history", "--history", str(past), *arguments)
+    assert answer.status == 2
+    assert answer.out == ""
+    (line,) = answer.err.splitlines()
+    assert line.startswith(f"rps-bench: {said}")
+    assert [path.name for path in past.parent.iterdir()] == ["past"]
+
+
 @pytest.mark.slow
 def test_a_process_ends_in_silence(past: Path) -> None:
     """Nothing on the error stream: duckdb complains of what is not collected before the end."""
