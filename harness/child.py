@@ -82,11 +82,14 @@ class Child:
 
 
 class Children:
-    """The processes of one parent, kept for the next job; any number of threads may ask."""
+    """The processes of one parent, kept for the next job; any number of threads may ask.
 
-    def __init__(self) -> None:
-        self._idle: list[Child] = []
-        self._all: set[Child] = set()
+    `ready` of them are started at once, the others when there is a job for them.
+    """
+
+    def __init__(self, ready: int = 0) -> None:
+        self._idle = [Child() for _ in range(ready)]
+        self._all = set(self._idle)
         self._lock = Lock()
         self._closed = False
 

@@ -1,16 +1,14 @@
 """Runs jobs on all cores of this machine, or on a Dask cluster; both take them one by one."""
 
-import logging
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from threading import Semaphore
 from time import monotonic
 from typing import Any, Protocol, TypeVar
 
-from analytic import InputError
 from harness.child import Children, answer
 from harness.jobs import Failure, Task
 
@@ -18,6 +16,8 @@ HERE = 2
 """Analytic tasks at once in this process, on threads: numpy lets other threads run meanwhile."""
 START = 0.5
 """Seconds of analytic work before a process is started for what exceeds that."""
+LOOK = 1.0
+"""Seconds without a finished job after which the engine is asked whether there is hope."""
 T = TypeVar("T", bound=Task)
 
 AHEAD = 3
@@ -41,17 +41,29 @@ class Engine(Protocol):
         """Return a future of the task's answer, or of a `Failure`."""
         ...
 
+    def check(self) -> None:
+        """Raise `InputError` where jobs can no longer be expected to finish."""
+        ...
+
 
 def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
-    """Yield every task with its answer, or a `Failure`, as they finish."""
+    """Yield every task with its answer, or a `Failure`, as they finish.
+
+    Raises `InputError` where the engine is lost.
+    """
     finished: SimpleQueue[tuple[T, Any]] = SimpleQueue()
     waiting = 0
 
     def next_done() -> tuple[T, Any]:
-        task, future = finished.get()
+        while True:
+            with suppress(Empty):
+                task, future = finished.get(timeout=LOOK)
+                break
+            engine.check()
         try:
             return task, future.result()
         except Exception as error:  # a Dask worker that died once too often, say
+            engine.check()
             return task, Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason'}")
 
     def tell(task: T) -> Callable[[Any], None]:
@@ -72,12 +84,13 @@ class Local:
 
     `HERE` analytic tasks at a time run in this process: it is ready at once. The others wait for
     that at first, for a process of their own takes longer to start than a small sweep to end.
+    `simulations`: how many jobs will need a process; as many as can be of use are started at once.
     """
 
-    def __init__(self, cores: int, patience: Patience) -> None:
+    def __init__(self, cores: int, patience: Patience, simulations: int = 0) -> None:
         self.cores = cores
         self._patience = patience
-        self._children = Children()
+        self._children = Children(min(cores, simulations))
         self._here = Semaphore(HERE)
         self._began = monotonic()
         self._threads = ThreadPoolExecutor(cores)
@@ -85,6 +98,9 @@ class Local:
     def submit(self, task: Task) -> Any:
         """Return a future of the task's answer, or of a `Failure`."""
         return self._threads.submit(self._solve, task)
+
+    def check(self) -> None:
+        """Do nothing: this machine is here."""
 
     def _solve(self, task: Task) -> object:
         if task.safe and self._here.acquire(blocking=monotonic() < self._began + START):
@@ -101,53 +117,20 @@ class Local:
         self._threads.shutdown()
 
 
-_of_this_worker = Children()
-
-
-def _on_worker(task: Task, patience: Patience) -> object:
-    return _of_this_worker.attempt(task, patience.limit, patience.tries)
-
-
-class Cluster:
-    """A Dask cluster. Every thread of a worker has a process of its own for its jobs."""
-
-    def __init__(self, address: str, patience: Patience) -> None:
-        try:
-            import distributed
-        except ImportError:
-            raise InputError(
-                "--scheduler", address, "Dask: install rps-bench[cluster] here and on the workers"
-            ) from None
-        client: Any = distributed.Client  # untyped
-        # Its own log repeats, with a traceback, what becomes one sentence here.
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
-        try:
-            self._client = client(address, timeout=10, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
-            why = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise InputError(
-                "--scheduler", address, f"the address of a running Dask scheduler ({why})"
-            ) from None
-        self._patience = patience
-        self.cores = sum(self._client.nthreads().values())
-        if not self.cores:
-            self._client.close()
-            raise InputError("--scheduler", address, "a Dask cluster with at least one worker")
-
-    def submit(self, task: Task) -> Any:
-        """Return a future of the task's answer, or of a `Failure`."""
-        return self._client.submit(_on_worker, task, self._patience, pure=False)
-
-    def close(self) -> None:
-        """Let go of the cluster; what it still holds of this run is dropped."""
-        self._client.close()
-
-
 @contextmanager
-def engine(cores: int, scheduler: str | None, patience: Patience) -> Iterator[Engine]:
-    """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine."""
-    chosen = Local(cores, patience) if scheduler is None else Cluster(scheduler, patience)
-    try:
+def engine(
+    cores: int, scheduler: str | None, patience: Patience, simulations: int = 0
+) -> Iterator[Engine]:
+    """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
+
+    `simulations` as for `Local`.
+    """
+    chosen: Any
+    if scheduler is None:
+        chosen = Local(cores, patience, simulations)
+    else:
+        from harness.cluster import Cluster
+
+        chosen = Cluster(scheduler, patience)
+    with closing(chosen):
         yield chosen
-    finally:
-        chosen.close()

@@ -5,7 +5,7 @@ import shlex
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,8 +91,6 @@ def sweep(
     extra = load_cases(Path(case_file)) if case_file is not None else {}
     (chosen,) = select([case], extra)
     everything = tuple(dict.fromkeys([*specs, *([reference] if reference else [])]))
-    for spec in everything:
-        spec.build()  # a program that is missing is said now
     study = Sweep(chosen.mechanism, pose_set(poses, chosen.mechanism), everything, max(shown))
     given = (
         ("modes", modes, "1-6"),
@@ -103,11 +101,12 @@ def sweep(
     same = "".join(f" --{k} {shlex.quote(v)}" for k, v, usual in given if v and v != usual)
 
     dry = dry_run and not (output and (Path(output) / NAME).exists())
-    with (
-        engine(at_once, scheduler, patience) as cluster,
-        _folder(None if dry else output) as folder,
-        Journal(folder) as journal,
-    ):
+    simulations = len(study.poses) * sum(not spec.analytic for spec in everything)
+    with engine(at_once, scheduler, patience, simulations) as cluster, ExitStack() as stack:
+        for spec in everything:
+            spec.build()  # a program that is missing is said now
+        folder = stack.enter_context(_folder(None if dry else output))
+        journal = stack.enter_context(Journal(folder))
         if dry_run:
             show(_dry_run(study, journal, cluster))
             return 0

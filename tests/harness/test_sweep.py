@@ -268,26 +268,97 @@ def test_a_full_disk_is_one_sentence_and_loses_nothing(
 
 
 @contextmanager
-def cluster() -> Iterator[tuple[str, psutil.Process]]:
-    """A Dask cluster of two worker processes, as people run it; its address and process."""
+def cluster(workers: int = 2) -> Iterator[tuple[str, psutil.Popen]]:
+    """A Dask cluster of worker processes, as people run it; its address and process.
+
+    The process ends all workers at a first line of input, and itself where the input ends.
+    """
     script = (
         "import sys, json\n"
         "from distributed import LocalCluster\n"
         "if __name__ == '__main__':\n"
-        "    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as c:\n"
+        f"    with LocalCluster(n_workers={workers}, threads_per_worker=1,\n"
+        "                      dashboard_address=None) as c:\n"
         "        print(json.dumps(c.scheduler_address), flush=True)\n"
+        "        sys.stdin.readline()\n"
+        "        c.scale(0)\n"
         "        sys.stdin.read()\n"
     )
     pipe = subprocess.PIPE
-    process = subprocess.Popen(
+    process = psutil.Popen(
         [sys.executable, "-c", script],
         stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True,
     )  # fmt: skip
-    assert process.stdout is not None
     try:
-        yield json.loads(process.stdout.readline()), psutil.Process(process.pid)
+        yield json.loads(process.stdout.readline()), process
     finally:
         process.communicate(timeout=60)
+
+
+@pytest.mark.parametrize(
+    ("address", "why"),
+    [
+        ("tcp://127.0.0.1:1", "Timed out"),
+        ("nonsense", "missing port"),
+        ("ftp://127.0.0.1:1", "unknown address scheme"),
+        ("", "missing port"),
+    ],
+)
+def test_an_address_without_a_scheduler_is_one_sentence(
+    rps_bench: Callable[..., Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    address: str,
+    why: str,
+) -> None:
+    monkeypatch.setattr("harness.cluster.REACH", 0.3)
+    given = ("--poses", "pose:490,0,0", "--models", "rayleigh@1", "--scheduler", address)
+    answer = rps_bench("sweep", *given, "--output", str(tmp_path / "out"))
+    assert answer.status == 2
+    expected = "the address of a running Dask scheduler, tcp://HOST:PORT"
+    assert answer.err.startswith(f"rps-bench: --scheduler = {address!r}: expected {expected} (")
+    assert why in answer.err
+    assert len(answer.err.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_a_cluster_without_workers_is_one_sentence(tmp_path: Path) -> None:
+    with cluster(workers=0) as (address, _):
+        given = ("--poses", "pose:490,0,0", "--models", "rayleigh@1", "--scheduler", address)
+        status, _, err = ended(started(*given, "--output", str(tmp_path / "out")))
+    assert status == 2
+    expected = "a Dask cluster with at least one worker"
+    assert err == f"rps-bench: --scheduler = {address!r}: expected {expected}\n"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lost", ["its scheduler", "every worker"])
+def test_a_cluster_that_ends_loses_no_finished_job(
+    lost: str, tmp_path: Path, log: Path, plugin: None
+) -> None:
+    output = tmp_path / "out"
+    with cluster() as (address, dask):
+        short = "import harness.cluster; harness.cluster.REACH = 3.0"
+        process = started(*SLOWLY, "--scheduler", address, "--output", str(output), before=short)
+        wait_for(log, 40)
+        if lost == "its scheduler":
+            dask.kill()
+        else:
+            dask.stdin.write("\n")
+            dask.stdin.flush()
+        status, _, err = ended(process)
+    assert status == 2
+    assert err.startswith(f"rps-bench: --scheduler = {address!r}: expected a Dask cluster that ")
+    assert f"({lost} has gone; finished jobs are kept" in err
+    assert len(err.splitlines()) == 1, err
+    kept = journalled(output)
+    assert 30 <= kept < 150
+    log.unlink()
+    assert ended(started(*SLOWLY, "--output", str(output)))[0] == 0
+    assert log.read_text().count("\n") == 150 - kept
+    assert_complete(output, 150, 4)
 
 
 @pytest.mark.slow
