@@ -26,7 +26,7 @@ DEFAULT = "results/baseline"
 @click.option("--accept", is_flag=True, help="Make what was found the baseline.")
 @click.option("--reason", metavar="TEXT", help="Why something is accepted that lowers the bar.")
 @click.option("--compare", metavar="A,B",
-              help="Instead: models in two environments, mujoco==3.17.0,mujoco==4.0.0.")  # fmt: skip
+              help="Instead: --models in environments A and B, as in mujoco==3.17.0.")  # fmt: skip
 @click.option("--output", metavar="DIR", help="Folder for check.json, check.md and check.xml.")
 @click.option("--json", metavar="FILE", help="Everything, for programs.")
 @click.option("--markdown", metavar="FILE", help="A summary as GitHub-flavoured Markdown.")
