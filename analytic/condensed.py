@@ -92,18 +92,19 @@ def lowest(
     count: int,
     loop: Loop | None = None,
     span: Floats | None = None,
+    levels: int = LEVELS,
 ) -> Floats:
     """Return the lowest omega^2 (N, count) of few poses, torsion of the limbs among them.
 
     `lengths` (N, n) and `vectors` (N, 3 n, 6) as of `geometry`; tables hold over `span`, by default
-    over `lengths`.
+    over `lengths`. After so many `levels` of tables certified bisection takes over.
     """
     n = lengths.shape[1]
     coupled = count if elements is None else min(count, 6 + n * (5 * elements - 2))
     values = np.full((len(lengths), coupled), np.inf)
     left = np.arange(len(lengths))
     level = 1 + max(0, coupled - 6) // (2 * n)
-    for more in range(LEVELS):
+    for more in range(levels):
         problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
         if problem is None:
             break

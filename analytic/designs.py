@@ -22,6 +22,9 @@ Floats = NDArray[np.float64]
 SPAN = 2**1.5
 """Longest over shortest limb that one table serves; each octave of lengths has a table."""
 
+LEVELS = 2
+"""Tables tried before bisection: few designs need more, and tables cost more than they do."""
+
 
 @dataclass(frozen=True)
 class Designs:
@@ -94,7 +97,9 @@ def design_frequencies(
     lengths, vectors = _geometry(designs, known.points, known.fixed[3:])
     result = np.empty((len(designs), modes))
     for rows, span in _alike(lengths):
-        result[rows] = lowest(known, lengths[rows], vectors[rows], elements, modes, span=span)
+        result[rows] = lowest(
+            known, lengths[rows], vectors[rows], elements, modes, span=span, levels=2
+        )
     speed = np.sqrt(designs.young / designs.density) / designs.diameter
     return np.asarray(np.sqrt(np.maximum(result, 0)) * (speed / (2 * np.pi))[:, None])
 

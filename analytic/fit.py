@@ -20,7 +20,7 @@ STEP = 1e-5
 """Of a one-sided difference, over the distance between the bounds."""
 SETTLED = 1e-8
 """Relative change of S at which a fit has converged, and of sqrt(S) with residuals near 1."""
-SAMPLE = 8
+SAMPLE = 4
 """Points looked at for each start."""
 EARLY = 4
 """Steps after which only the better starts go on."""

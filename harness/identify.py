@@ -119,14 +119,16 @@ def readings(
 ) -> list[Reading]:
     """Return every choice of at most `most` of `names`, fitted, under every model; best first.
 
-    Models are `specs`, with either inertia of the platform and frames mirrored or not as `frames`.
+    Models are `specs` with one slip at most: Eq. 8's inertia, or mirrored frames where `frames` has
+    True.
     """
     found = []
     chosen = [s for k in range(most + 1) for s in combinations(range(len(names)), k)]
     free = np.zeros((len(chosen), len(names)), dtype=bool)
     for row, columns in enumerate(chosen):
         free[row, list(columns)] = True
-    for spec, inertia, mirrored in product(specs, INERTIAS, frames):
+    slips = [(form, slip) for form in INERTIAS for slip in frames if form == "disc" or not slip]
+    for spec, (inertia, mirrored) in product(specs, slips):
         whole = Problem(table, spec, tuple(names), inertia, mirrored, bounds)
         low, high = whole.limits
         residuals = whole.residuals(table.logarithms[None])

@@ -102,7 +102,7 @@ def identify(
     begun = _whole("--starts", starts, 1, MOST_STARTS)
     most = min(_whole("--free", free, 0, MOST_FREE), len(chosen))
     problems = [Problem(table, specs[0], tuple(names), inertia, slip, of_fit) for slip in mirrored]
-    with progress(len(problems) + len(specs) * len(INERTIAS) * len(mirrored)) as done:
+    with progress(len(problems) + len(specs) * (len(mirrored) + (False in mirrored))) as done:
         results = []
         for problem in problems:
             results.append(identify(problem, noise=relative, starts=begun, seed=seeded))

@@ -38,14 +38,14 @@ DEGREE = float(np.pi / 180)
 PARAMETERS = {
     parameter.name: parameter
     for parameter in (
-        Parameter("z_mm", 1e-3, 0.65, 2.0, "z"),
+        Parameter("z_mm", 1e-3, 0.65, 1.6, "z"),
         Parameter("azimuth_deg", DEGREE, -180.0, 180.0, "phi"),
         Parameter("tilt_deg", DEGREE, -45.0, 45.0, "theta"),
         Parameter("base_radius_mm", 1e-3, 0.1, 2.0, "r1"),
         Parameter("platform_radius_mm", 1e-3, 0.5, 2.0, "r2"),
         Parameter("disc_radius_mm", 1e-3, 0.5, 2.0, "R"),
         Parameter("platform_thickness_mm", 1e-3, 0.25, 4.0, "h"),
-        Parameter("rod_diameter_mm", 1e-3, 0.5, 1.4, "d"),
+        Parameter("rod_diameter_mm", 1e-3, 0.6, 1.4, "d"),
         Parameter("young_GPa", 1e9, 0.5, 2.0, "E"),
         Parameter("density_kg_m3", 1.0, 0.5, 2.0, "rho"),
         Parameter("platform_density_kg_m3", 1.0, 0.25, 4.0, "rho_p"),
