@@ -194,5 +194,5 @@ def _cell(value: Any) -> "Cell":
 
     if isinstance(value, float):
         # Three decimals suit a frequency, not a joint's gap or a solver's second.
-        return Number(value) if abs(value) >= 1 or value == 0 else f"{value:.3g}"
+        return Number(value) if abs(value) >= 1 else f"{value:.3g}" if value else 0
     return value if isinstance(value, int) else "" if value is None else str(value)
