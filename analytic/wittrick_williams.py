@@ -38,7 +38,8 @@ class Characteristic:
     """The frequency-dependent problem of one mechanism at one pose.
 
     Attributes: limb `lengths` (n,) [m], their `rods`, `vectors` a_k over coordinates in which the
-    platform's mass is the identity, shape (n, 3, 6), `elements` a limb or None (continuum).
+    platform's mass is the identity, shape (n, 3, 6), `elements` a limb or None (continuum). For
+    counting alone, `lengths` (q, n) and `vectors` (q, n, 3, 6) give every omega^2 its own pose.
     """
 
     rods: Sections
@@ -80,16 +81,16 @@ class Characteristic:
         d = self.stiffness(eigenvalue)
         ratio = (d / self.scale).reshape(len(d), -1)
         stiff = np.abs(ratio) > 1
-        a = np.sqrt(self.scale.ravel() / eigenvalue[:, None])[..., None] * self.vectors.reshape(
-            -1, 6
-        )
+        directions = ratio.shape[1]
+        scale = np.sqrt(self.scale.reshape(-1, directions) / eigenvalue[:, None])
+        a = scale[..., None] * self.vectors.reshape(-1, directions, 6)
         soft = np.where(stiff, 0.0, ratio)
         border = np.where(stiff[..., None], a, 0.0)
-        B = np.zeros((len(d), 6 + ratio.shape[1], 6 + ratio.shape[1]))
+        B = np.zeros((len(d), 6 + directions, 6 + directions))
         B[:, :6, :6] = np.einsum("qk,qki,qkj->qij", soft, a, a) - np.eye(6)
         B[:, :6, 6:] = border.swapaxes(1, 2)
         B[:, 6:, :6] = border
-        k = np.arange(ratio.shape[1])
+        k = np.arange(directions)
         B[:, 6 + k, 6 + k] = np.where(stiff, -1 / np.where(stiff, ratio, 1.0), 1.0)
         return B, stiff.reshape(d.shape), d
 

@@ -14,12 +14,15 @@ from harness.engine import Engine, run
 from harness.frames import write_frames
 from harness.jobs import Failure, built
 from harness.journal import Journal
+from harness.mode_check import ModeCheck, check_modes
 from harness.models import Spec
 from harness.pose_sets import written
 from harness.sweep import Sweep, answers
 from harness.tables import Cell, Number, Table
 
 Floats = NDArray[np.float64]
+NAMED = 5
+"""Poses named whose modes are miscounted."""
 
 ERRORS = {
     "pose": pl.Int64,
@@ -49,10 +52,13 @@ class Errors:
     squares: Floats = field(init=False)
     worst: Floats = field(init=False)
     where: NDArray[np.int64] = field(init=False)
+    counted: NDArray[np.int64] = field(init=False)
+    miscounted: NDArray[np.int64] = field(init=False)
+    wrong: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.total, self.squares, self.worst = np.zeros((3, len(self.modes)))
-        self.where = np.zeros(len(self.modes), dtype=np.int64)
+        self.where, self.counted, self.miscounted = np.zeros((3, len(self.modes)), dtype=np.int64)
 
     def add(self, numbers: NDArray[np.int64], error: Floats) -> None:
         """Take in the errors (n, m) at poses of these `numbers` (n,)."""
@@ -65,6 +71,12 @@ class Errors:
         worse = (np.abs(largest) > np.abs(self.worst)) | (self.where == 0)
         self.worst = np.where(worse, largest, self.worst)
         self.where = np.where(worse, numbers[k], self.where)
+
+    def count(self, numbers: NDArray[np.int64], check: ModeCheck) -> None:
+        """Take in at how many poses, and of which `numbers`, there are too many or few modes."""
+        self.counted += check.counted.sum(axis=0)[self.modes - 1]
+        self.miscounted += check.wrong.sum(axis=0)[self.modes - 1]
+        self.wrong += numbers[check.wrong.any(axis=1)].tolist()
 
 
 @dataclass(frozen=True)
@@ -100,24 +112,32 @@ def compare(
     def frames() -> Iterator[pl.DataFrame]:
         for errors in gathered:
             for start, stop in sweep.blocks():
-                both = [_block(sweep, journal, s, start, stop) for s in (errors.spec, against)]
-                here = np.flatnonzero(~np.isnan(both[0][:, 0] + both[1][:, 0]))
-                ours, theirs = (values[np.ix_(here, errors.modes - 1)] for values in both)
-                error = 100 * (ours / theirs - 1)
-                if len(here):
-                    errors.add(start + here + 1, error)
-                    yield _frame(errors, against, start + here, sweep.poses, error)
+                ours, assumed = _block(sweep, journal, errors.spec, start, stop)
+                theirs, theory = _block(sweep, journal, against, start, stop)
+                here = np.flatnonzero(~np.isnan(ours[:, 0] + theirs[:, 0]))
+                if not len(here):
+                    continue
+                numbers, shown = start + here + 1, errors.modes - 1
+                if against.analytic and not errors.spec.analytic and assumed == theory:
+                    poses = sweep.poses[start + here]
+                    errors.count(numbers, check_modes(ours[here], sweep.mechanism, poses, against))
+                error = 100 * (ours[here] / theirs[here] - 1)[:, shown]
+                errors.add(numbers, error)
+                yield _frame(errors, against, start + here, sweep.poses, error)
 
     write_frames(folder, f"errors.{suffix}", frames(), ERRORS)
     return gathered
 
 
-def _block(sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int) -> Floats:
-    """Return frequencies (stop - start, count); NaN where a job is not finished."""
-    values = np.full((stop - start, sweep.count), np.nan)
+def _block(
+    sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int
+) -> tuple[Floats, set[str]]:
+    """Return frequencies (stop - start, count), NaN where a job is not finished; the theory."""
+    values, theory = np.full((stop - start, sweep.count), np.nan), set()
     for job, answer in answers(sweep, journal, spec, start, stop):
         values[job.start - start :][: len(job.poses)] = answer.frequencies
-    return values
+        theory.add(answer.theory)
+    return values, theory
 
 
 def _frame(
@@ -151,10 +171,25 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
                 errors.total[k] / errors.poses,
             )
             numbers = (Number(float(v), 6, signed=i == 2) for i, v in enumerate(values))
-            rows.append((errors.spec.label, f"f{mode}", errors.poses, *numbers))
-    columns = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)")
-    notes = ("modes paired by order; shapes are looked at for the worst poses",)
-    return Table(f"Error against {against.label}", columns, tuple(rows), notes)
+            wrong = (
+                f"{errors.miscounted[k]} of {errors.counted[k]}" if errors.counted.any() else "-"
+            )
+            rows.append((errors.spec.label, f"f{mode}", errors.poses, *numbers, wrong))
+    columns = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)", "Miscounted")
+    notes = [
+        "modes paired by order; shapes are looked at for the worst poses",
+        "Miscounted: poses where the number of modes up to halfway to the next is not Wittrick and "
+        "Williams' count; for simulators of the same theory, where the gap is clear of the error",
+    ]
+    for errors in gathered:
+        if errors.counted.any():
+            named = ", ".join(map(str, errors.wrong[:NAMED]))
+            more = f": {named}{' ...' if len(errors.wrong) > NAMED else ''}" if named else ""
+            notes.append(
+                f"{errors.spec.label}: poses with a wrong mode count: "
+                f"{len(errors.wrong)} of {errors.poses}{more}"
+            )
+    return Table(f"Error against {against.label}", columns, tuple(rows), tuple(notes))
 
 
 def worst_table(

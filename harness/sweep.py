@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass
+from statistics import median
 from threading import Condition
 from time import perf_counter
 from typing import Self
@@ -142,14 +143,16 @@ def timing_table(sweep: Sweep, journal: Journal) -> Table:
     """What each model itself took, over all runs into this folder."""
     rows: list[tuple[Cell, ...]] = []
     for spec in sweep.specs:
-        total, poses = 0.0, 0
+        poses, each, total = 0, [], 0.0
         for start, stop in sweep.blocks():
             for job, answer in answers(sweep, journal, spec, start, stop):
-                total += answer.seconds
                 poses += len(job.poses)
-        each = Number(1e3 * total / poses, 4) if poses else "-"
-        rows.append((spec.label, poses, Number(total, 2), each))
-    return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows))
+                each.append(answer.seconds / len(job.poses))
+                total += answer.seconds
+        usual = Number(1e3 * median(each), 4) if each else "-"
+        rows.append((spec.label, poses, Number(total, 2), usual))
+    notes = ("ms a pose: the median; seconds: all, with what each process loads for its first job",)
+    return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows), notes)
 
 
 def failure_table(failures: Failures) -> Table:

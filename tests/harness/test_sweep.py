@@ -123,6 +123,20 @@ def test_a_worst_pose_is_seen_again_by_the_command_printed(
     assert np.abs(by_shape).max() < 1e-7
 
 
+def test_a_simulator_that_misses_a_mode_is_found_out(
+    rps_bench: Callable[..., Any], tmp_path: Path, plugin: None
+) -> None:
+    """The third of six is missing at two poses: there the number of modes is wrong from f3 on."""
+    poses = tmp_path / "poses.csv"
+    poses.write_text("z_mm,azimuth_deg,tilt_deg\n400,10,5\n410,20,-6\n420,30,7\n430,40,-8\n")
+    given = ("--poses", str(poses), "--models", "trial@9", "--against", "euler-bernoulli@exact")
+    answer = rps_bench("sweep", *given, "--output", str(tmp_path))
+    assert answer.status == 0, answer.err
+    table = pl.read_csv(tmp_path / "errors.csv")
+    assert table["Miscounted"].to_list() == ["0 of 4"] * 2 + ["2 of 4"] * 4
+    assert "trial@9: poses with a wrong mode count: 2 of 4: 2, 4" in answer.out
+
+
 @pytest.mark.slow
 def test_the_same_again_computes_nothing_and_more_only_what_is_missing(
     rps_bench: Callable[..., Any], tmp_path: Path, log: Path, plugin: None

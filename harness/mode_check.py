@@ -1,0 +1,61 @@
+"""Whether a simulator has as many modes below a frequency as its theory has.
+
+The theory's number is Wittrick and Williams' count, halfway between neighbouring frequencies of
+the theory: a mode that a simulator misses, has twice or makes up shifts its own number there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import Mechanism, Pose, condensed_frequencies
+from analytic.mode_counts import mode_counts
+from harness.models import Spec
+
+CLEAR = 4
+"""Neighbours further apart than this many deviations are told apart."""
+REPEATED = 1e-6
+"""Relative distance below which neighbours are one repeated mode."""
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ModeCheck:
+    """At N poses, above each of `count` modes: was it counted there, and wrongly; (N, count)."""
+
+    counted: Flags
+    wrong: Flags
+
+
+def check_modes(found: Floats, mechanism: Mechanism, poses: Pose, theory: Spec) -> ModeCheck:
+    """Count a simulator's frequencies `found` (N, count) [Hz] against the analytic `theory`.
+
+    A gap between two modes of the theory is left out where it is not `CLEAR` of how far the
+    frequencies next to its ends are from these; one without a partner does not excuse itself.
+    """
+    assert not isinstance(theory.elements, tuple), "only simulators are extrapolated"
+    count = found.shape[1]
+    exact = condensed_frequencies(
+        mechanism,
+        poses,
+        theory.elements,
+        beam=theory.name,
+        shear=theory.shear,
+        count=count + 1,
+        fast=False,
+    )
+    away = np.abs(found[:, :, None] - exact[:, None, :])
+    nearest = away.argmin(axis=2)[..., None] == np.arange(count + 1)
+    deviation = np.where(nearest, away, 0.0).max(axis=1)
+    gap = np.diff(exact)
+    counted = gap > CLEAR * np.maximum(deviation[:, 1:], deviation[:, :-1])
+    counted &= gap > REPEATED * exact[:, 1:]
+    middle = (exact[:, 1:] + exact[:, :-1]) / 2
+    right = mode_counts(
+        mechanism, poses, middle, theory.elements, beam=theory.name, shear=theory.shear
+    )
+    below = (found[:, None, :] < middle[:, :, None]).sum(axis=2)
+    return ModeCheck(counted, counted & (below != right))
