@@ -3,7 +3,7 @@
 from collections import Counter
 from typing import Any
 
-from harness.report.ledger import Ledger, environment
+from harness.report.ledger import Ledger
 from harness.report.section import Section
 from harness.report.sources import Sources
 
@@ -32,11 +32,11 @@ def section(sources: Sources, ledger: Ledger) -> Section:
 
 
 def _newest(run: dict[str, Any]) -> dict[str, str]:
-    about = environment(run)
+    commit, dash, dirty = run["commit"].partition("-")
     return {
         "when": f"{run['time']:%Y-%m-%d %H:%M} UTC",
         "command": run["command"],
-        "commit": about["Commit"],
+        "commit": f"{commit[:10]}{dash}{dirty}, rps-bench {run['release']}",
     }
 
 

@@ -41,7 +41,7 @@ chart("fig3-chart", ["fig3-case", "fig3-theory", "fig3-reference", "fig3-mode", 
   const layout = {
     xaxis: {title: {text: "elements a limb, s"}, tickvals: fig3.elements, range: [0.7, 8.3]},
     yaxis: {title: {text: log ? "|error| [%]" : "error [%]"}, type: scale,
-      exponentformat: "power", dtick: log ? 1 : undefined},
+      exponentformat: "power"},
   };
   const dotted = own ? " Dotted: the reference’s own numerical uncertainty." : "";
   const caption = `Error of ${named} with s elements a limb against ${reference} ` +

@@ -62,6 +62,7 @@ function select(id, options, chosen) {
 
 // Charts: drawn when they come near the screen, again when a choice or the theme changes.
 const charts = new Map();
+let before = null; // how the page was before it went to paper
 
 function chart(id, controls, make) {
   charts.set(id, {make, near: false, listening: false});
@@ -84,7 +85,9 @@ function update(id) {
     place.textContent = "This browser has no WebGL, which pictures in three dimensions need.";
     return;
   }
-  own.done = Plotly.react(place, data, themed(layout), CONFIG);
+  // Paper has its own width, which the screen cannot know: A4 or Letter less the margins of page.css.
+  const size = before ? {autosize: false, width: place.closest(".two") ? 330 : 680, height: 310} : {autosize: true};
+  Plotly.react(place, data, themed({...layout, ...size}), CONFIG);
   if (!own.listening) {
     own.listening = true;
     place.on("plotly_click", (event) => {
@@ -206,7 +209,7 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (event) =>
   theme(event.matches ? "dark" : "light");
   redraw();
 });
-let before = null;
+const print = matchMedia("print");
 function paper(printing) {
   if (printing === (before !== null)) return;
   if (printing) {
@@ -220,8 +223,7 @@ function paper(printing) {
     before = null;
   }
   redraw();
-  for (const [id, own] of charts) if (own.listening) Plotly.Plots.resize($(id));
 }
 addEventListener("beforeprint", () => paper(true));
-addEventListener("afterprint", () => paper(false));
-matchMedia("print").addEventListener("change", (event) => paper(event.matches));
+addEventListener("afterprint", () => paper(print.matches));
+print.addEventListener("change", () => paper(print.matches));

@@ -5,7 +5,7 @@ const shapes = read("shapes");
   const add = (a, b, scale = 1) => a.map((v, k) => v + scale * b[k]);
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (a) => { const n = Math.hypot(...a); return a.map((v) => v / n); };
-  const view = {turn: -60, height: 16, far: 1.45};
+  const view = {turn: -60, height: 16, far: innerWidth < 640 ? 1.8 : 1.25};
   const now = () => {
     const here = shapes[$("shape-case").value];
     return {here, model: here.models[$("shape-model").value], mode: Number($("shape-mode").value) - 1};
@@ -26,14 +26,14 @@ const shapes = read("shapes");
   };
   const disc = (centre, arms) => ({points: [centre, ...arms.map((arm) => add(centre, arm))],
     faces: arms.map((_, k) => [0, 1 + k, 1 + (k + 1) % arms.length])});
-  const bodies = (amount) => {
+  const bodies = (amount, thick = 1) => {
     const {here, model, mode} = now();
     const [move, spin] = [model.platform[mode].slice(0, 3), model.platform[mode].slice(3)];
     const arms = range(0, 47).map((k) => k * Math.PI / 24).map((t) =>
       here.axes[0].map((v, c) => here.radius * (v * Math.cos(t) + here.axes[1][c] * Math.sin(t))));
     const limbs = here.bases.map((base, i) => tube(
       model.limbs[mode][i].map((shift, k, all) =>
-        add(add(base, add(here.tips[i], base, -1), k / (all.length - 1)), shift, amount)), here.rods[i]));
+        add(add(base, add(here.tips[i], base, -1), k / (all.length - 1)), shift, amount)), thick * here.rods[i]));
     return [...limbs, disc(add(here.centre, move, amount), arms.map((arm) => add(arm, cross(spin, arm), amount)))];
   };
   const mesh = ({points, faces}, color, opacity) => ({
@@ -58,7 +58,7 @@ const shapes = read("shapes");
     const ground = [...here.bases, here.bases[0]];
     const hidden = {visible: false, showbackground: false};
     const data = [
-      ...bodies(0).map((body) => mesh(body, css("--faint"), 0.16)),
+      ...bodies(0, 0.97).map((body) => mesh(body, css("--faint"), 0.16)),
       ...bodies(1).map((body, k) => mesh(body, tints()[k], k < here.bases.length ? 1 : 0.85)),
       {type: "scatter3d", mode: "lines", x: ground.map((p) => p[0]), y: ground.map((p) => p[1]),
         z: ground.map((p) => p[2]), line: {color: css("--muted"), width: 3}, hoverinfo: "skip"},

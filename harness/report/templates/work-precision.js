@@ -19,8 +19,8 @@ if (work) chart("work-chart", ["work-case", "work-modes", "work-error"], () => {
       hovertemplate: `${model}, elements %{text}: %{y:.3g} % in %{x:.3g} ms<extra></extra>`,
     };
   });
-  const log = {type: "log", exponentformat: "power", dtick: 1};
-  const layout = {xaxis: {...log, title: {text: "time a pose [ms]"}}, yaxis: {...log, title: {text: error}}};
+  const log = {type: "log", exponentformat: "power"};
+  const layout = {showlegend: true, xaxis: {...log, title: {text: "time a pose [ms]"}}, yaxis: {...log, title: {text: error}}};
   const caption = `${error.replace(" [%]", "")}: the largest of ${modes} in percent, against the time a pose ` +
     `takes, ${name}, for each model and mesh.`;
   return {data, layout, caption};

@@ -75,17 +75,18 @@ if (workspace) {
   refill();
   chart("ws-map", CONTROLS, () => {
     const {points, unit, cells, scale, hover, caption, told} = layer();
-    // Marks as large as their neighbours leave room for, on a disc of some 170 pixels.
+    // Marks as large as their neighbours leave room for.
+    const radius = Math.max(60, Math.min($("ws-map").clientWidth - 170, 350) / 2);
     const rings = new Set(points.map((one) => one.pose[2])).size;
     const round = new Set(points.filter((one) => one.pose[2] > 0).map((one) => one.pose[1])).size;
     const rim = Math.max(1e-9, ...points.map((one) => one.pose[2]));
     const size = points.map(({pose}) => pose[2] === 0 ? 8 : Math.max(4, Math.min(24,
-      0.95 * 340 / (2 * rings), 0.95 * 170 * 2 * Math.PI * pose[2] / rim / round)));
+      0.95 * radius / rings, 0.95 * radius * 2 * Math.PI * pose[2] / rim / round)));
     return {
       data: [{type: "scatterpolar", mode: "markers", r: points.map((one) => one.pose[2]),
         theta: points.map((one) => one.pose[1]), customdata: cells, text: hover,
         hovertemplate: "%{text}<extra></extra>",
-        marker: {size, color: points.map((one) => one.v), ...scale,
+        marker: {size, opacity: 1, color: points.map((one) => one.v), ...scale,
           line: {width: 0}, showscale: true, colorbar: bar(unit)}}],
       layout: {polar: {radialaxis: {showticklabels: false, nticks: 4, range: [0, 1.06 * rim]}, angularaxis: {ticksuffix: "°"}},
         margin: {l: 40, r: 30, t: 24, b: 24}, showlegend: false},
