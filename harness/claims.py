@@ -10,8 +10,8 @@ from harness.claims_facts import Facts
 from harness.tables import Table
 
 COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
-SHORT = ("id", "quoted", "measured", "uncertainty", "verdict")
-"""The columns of a long list in the terminal."""
+SHORT = ("id", "quoted", "measured", "kind")
+"""The columns of a long list in the terminal: its lines are read at a glance."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,9 @@ def claims_table(
         "the error that the paper itself calls acceptable",
         *(f"not checked: {name}: {why}" for name, why in unchecked.items()),
     ]
-    heads = tuple(name.capitalize() for name in columns)
+    if "verdict" not in columns:
+        notes.append("`--only ID` or `--output DIR`: with uncertainty, reason and command")
+    heads = tuple("Verdict" if name == "kind" else name.capitalize() for name in columns)
     return Table("Claims of the paper", heads, rows, tuple(notes))
 
 

@@ -52,9 +52,10 @@ def fea(facts: Facts, claim: Claim, rules: Rules) -> Finding:
     agree = [k for k, v in values.items() if abs(v - quoted) <= rules.rounding + own[k]]
     if agree:
         return Finding(measured, uncertainty, _among(agree, list(values)))
+    theory = _off(float(beams.hertz[case, PAPER][i]), facts.printed.table[case, THEORETICAL][i])
     verdict = (
         f"{CANNOT}: {' and '.join(_off(v, quoted) for v in values.values())} at z = "
-        f"{beams.heights[case]:g} m, as the theoretical value is; the ANSYS model is not printed"
+        f"{beams.heights[case]:g} m, where {PAPER} is {theory} off the printed theoretical value"
     )
     return Finding(measured, uncertainty, verdict)
 

@@ -144,6 +144,9 @@ def reference(cases: Sequence[Case], spec: Spec) -> Reference:
     for case in study.cases:
         modes, pairing = study.modes[case.name, spec.label], study.pairing(case, theory, spec)
         assert pairing is not None, "both have an answer"
+        if pairing.doubtful.any():
+            lost = 1 + int(np.argmax(pairing.doubtful))
+            raise UnmeasuredError(f"{spec.label}: no mode at {case.name} looks like f{lost}")
         hertz[case.name] = modes.frequencies[pairing.partner]
         own = np.zeros(len(modes.frequencies)) if modes.uncertainty is None else modes.uncertainty
         uncertainty[case.name] = own[pairing.partner]
@@ -215,9 +218,9 @@ def _timed(cost: Cost) -> dict[str, Floats]:
     return {t.model: t.seconds for t in cost.elements if t.size == PAPER_ELEMENTS}
 
 
-def maps(case: Case, spec: Spec = Spec(THEORY, PAPER_ELEMENTS)) -> Maps:  # noqa: B008
-    """Return the regular workspace of a case's mechanism and f1-f3 by `spec` in it."""
-    limits = Limits()
+def maps(case: Case) -> Maps:
+    """Return the regular workspace of a case's mechanism and the paper's f1-f3 in it."""
+    limits, spec = Limits(), Spec(THEORY, PAPER_ELEMENTS)
     region = Region.of(case.mechanism, limits)
     data = workspace_map(region, Grid.of(region, region.circles.z, *SHAPE), spec, 3)
     change, _ = rises(data)
