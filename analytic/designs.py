@@ -34,7 +34,8 @@ class Designs:
     the points B_i and A_i, `diameter` of the rods [m]; `young` [Pa] and `density` [kg/m^3] of the
     rods; the platform's `mass` [kg] and moments of inertia `across` (x and y) and `polar` (z)
     [kg m^2]. Scalars stand for N equal values. `mirrored` is no mechanism but a slip that a table
-    may betray: limbs of the right length, whose frames lean from the vertical to the wrong side.
+    may betray: limbs of the right length, whose frames lean from the vertical to the wrong side;
+    only a tilted platform shows it.
     Raises `InputError` for shapes that do not match, numbers that are not finite, or anything but
     angles not above zero.
     """

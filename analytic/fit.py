@@ -19,7 +19,7 @@ Residuals = Callable[[Floats, NDArray[np.intp]], Floats]
 STEP = 1e-5
 """Of a one-sided difference, over the distance between the bounds."""
 SETTLED = 1e-8
-"""Relative change of S at which a fit has converged, and of sqrt(S) with residuals near 1."""
+"""Part of S that the next step promises to gain where a fit has converged."""
 SAMPLE = 4
 """Points looked at for each start."""
 EARLY = 4
@@ -58,33 +58,37 @@ def minimise(
     sums = (values**2).sum(axis=1)
     J = np.zeros((*values.shape, points.shape[1]))
     damping, fresh = np.full(len(points), 1e-3), np.ones(len(points), dtype=bool)
+    scale = np.zeros(points.shape)
     left, settled = np.arange(len(points)), np.zeros(len(points), dtype=bool)
     for _ in range(steps):
         new = left[fresh[left]]
-        steps_in = _inwards(points[new], lower, upper)
-        J[new] = jacobian(residuals, points[new], values[new], free[new], steps_in, owner[new])
+        inwards = _inwards(points[new], lower, upper)
+        J[new] = jacobian(residuals, points[new], values[new], free[new], inwards, owner[new])
         g = np.einsum("bmp,bm->bp", J[left], values[left])
         A = np.einsum("bmp,bmq->bpq", J[left], J[left])
         at = points[left]
+        # A parameter that has mattered keeps its scale where it matters no more.
+        scale[left] = np.maximum(scale[left], np.einsum("bpp->bp", A))
         still = ~free[left] | ((at <= lower) & (g > 0)) | ((at >= upper) & (g < 0))
         g[still] = 0.0
         A[still[:, :, None] | still[:, None, :]] = 0.0
-        diagonal = np.einsum("bpp->bp", A)
-        scale = np.maximum(diagonal, 1e-12 * diagonal.max(axis=1, keepdims=True) + 1e-300)
-        diagonal += damping[left, None] * scale
+        damped = A.copy()
+        diagonal = np.einsum("bpp->bp", damped)
+        diagonal += damping[left, None] * scale[left] + 1e-300
         diagonal[still] = 1.0
-        move = -np.linalg.solve(A, g[..., None])[..., 0]
+        move = -np.linalg.solve(damped, g[..., None])[..., 0]
         trial = np.clip(at + move, lower, upper)
+        move = trial - at
         found = residuals(trial, owner[left])
         after = (found**2).sum(axis=1)
-        gain = sums[left] - after
-        better = gain > 0
+        better = after < sums[left]
+        promised = -(2 * (g * move).sum(axis=1) + np.einsum("bp,bpq,bq->b", move, A, move))
+        small = promised <= SETTLED * sums[left] + SETTLED**2
+        done = (small & (damping[left] < 1)) | (damping[left] > 1e10)
         won = left[better]
         points[won], values[won], sums[won] = trial[better], found[better], after[better]
-        damping[left] = np.where(better, damping[left] * 0.2, damping[left] * 8)
+        damping[left] *= np.where(better, 0.2, 8.0)
         fresh[left] = better
-        small = np.abs(gain) <= SETTLED * sums[left] + SETTLED**2
-        done = (small & (damping[left] < 1)) | (damping[left] > 1e10)
         settled[left[done]] = True
         left = left[~done]
         if not left.size:
