@@ -67,7 +67,8 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
     axes = np.array(
         [limbs_at(Mechanism.paper(heading=h), poses).frames[..., 1] for h in headings.tolist()]
     )
-    plate = formulas.platform(r2, formulas.thickness, 7820.0)
+    density = mechanism.limbs[0].rod.material.density
+    plate = formulas.platform(r2, formulas.thickness, density)
     opened, apart = zip(*(_against_multipliers(case) for case in cases), strict=True)
     return Equations(
         rotation=float(

@@ -10,11 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analytic import Material, Mechanism, Platform, Rod
+from harness.cases import PRESETS
 from harness.claims import judge
 from harness.claims_checks import CHECKS
 from harness.claims_data import CANNOT, HOLDS, Claim, Finding, claims, rules
 from harness.claims_facts import CASES, PAPER, Facts, Reference
-from harness.claims_measure import gather
+from harness.claims_measure import beams, gather
 
 RESULTS = Path(__file__).parents[3] / "results"
 BY_ID = {claim.id: claim for claim in claims()}
@@ -65,6 +67,20 @@ def test_references_that_disagree_make_it_a_condition(facts: Facts) -> None:
     assert found.verdict == "holds only if the finite elements are those of planted"
 
 
+def test_a_mechanism_of_other_stiffness_turns_the_verdict(facts: Facts) -> None:
+    """Frequencies grow with the root of E: so soft a mechanism has the printed f1, and no f3."""
+    assert facts.beams
+    softer = float((115.02 / facts.beams.hertz["case1", PAPER][0]) ** 2)
+    steel = Material(200e9 * softer, 77e9 * softer, 7820)
+    robot = Mechanism.regular(0.3, 0.2, Rod(steel, 0.1), Platform.disc(0.2, 0.02, 7820))
+    soft = beams([replace(PRESETS[name], mechanism=robot) for name in CASES])
+    found = {
+        i: finding(replace(facts, beams=soft), f"table1-case1-theoretical-f{i}").kind
+        for i in (1, 2, 3)
+    }
+    assert found == {1: HOLDS, 2: HOLDS, 3: CANNOT}
+
+
 def test_causes_add_up_to_the_error(facts: Facts) -> None:
     found = finding(facts, "error-case1-f4-s3")
     totals = [float(x) for x in re.findall(r"([+-][0-9.]+) % against", found.measured)]
@@ -74,8 +90,8 @@ def test_causes_add_up_to_the_error(facts: Facts) -> None:
     assert "mostly shear" in found.verdict
     assert facts.beams
     coarse = {("case1", PAPER): facts.beams.hertz["case1", "euler-bernoulli@1"]}
-    beams = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
-    found = finding(replace(facts, beams=beams), "error-case1-f4-s3")
+    one_element = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
+    found = finding(replace(facts, beams=one_element), "error-case1-f4-s3")
     assert "mostly number of elements" in found.verdict
 
 
