@@ -86,6 +86,7 @@ def rows(study: Study) -> list[dict[str, Any]]:
     for that model itself.
     """
     result = []
+    chosen = {spec: settings(spec, study.count + SPARE) for spec in study.specs}
     for case in study.cases:
         mechanism = sha256(repr(case.mechanism).encode()).hexdigest()[:12]
         answered = [spec for spec in study.specs if study.get(case, spec) is not None]
@@ -102,7 +103,7 @@ def rows(study: Study) -> list[dict[str, Any]]:
                     "tilt_rad": case.pose.tilt,
                     "model": spec.label,
                     "theory": modes.theory,
-                    "settings": settings(spec, study.count + SPARE),
+                    "settings": chosen[spec],
                     "version": modes.version,
                     "mode": i + 1,
                     "frequency_hz": float(modes.frequencies[i]),
