@@ -34,7 +34,7 @@ class Cluster:
             ) from None
         client: Any = distributed.Client  # untyped
         # Its own log repeats, with a traceback, what becomes one sentence here.
-        for name in ("distributed", "distributed.client"):
+        for name in ("distributed", "distributed.client", "asyncio"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         self._address, self._patience = address, patience
         try:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from threading import Semaphore
@@ -18,6 +18,8 @@ START = 0.5
 """Seconds of analytic work before a process is started for what exceeds that."""
 LOOK = 1.0
 """Seconds without a finished job after which the engine is asked whether there is hope."""
+FETCH = 10.0
+"""Seconds to wait for the answer of a finished job before the engine is asked likewise."""
 T = TypeVar("T", bound=Task)
 
 AHEAD = 3
@@ -56,15 +58,19 @@ def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
 
     def next_done() -> tuple[T, Any]:
         while True:
-            with suppress(Empty):
+            try:
                 task, future = finished.get(timeout=LOOK)
                 break
-            engine.check()
-        try:
-            return task, future.result()
-        except Exception as error:  # a Dask worker that died once too often, say
-            engine.check()
-            return task, Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason'}")
+            except Empty:
+                engine.check()
+        while True:
+            try:
+                return task, future.result(timeout=FETCH)
+            except TimeoutError:  # its Dask worker has gone, and the answer with it
+                engine.check()
+            except Exception as error:  # a Dask worker that died once too often, say
+                engine.check()
+                return task, Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason'}")
 
     def tell(task: T) -> Callable[[Any], None]:
         return lambda future: finished.put((task, future))
