@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from statistics import median
 from typing import Any
 
@@ -131,6 +132,7 @@ def standard(models: Sequence[str] | None = None, quick: bool = False) -> Plan:
     return Plan(cases, ladders, specs, mapped, poses, missing, "condensed" in chosen)
 
 
+@cache
 def workspace_cases(mechanism: Mechanism) -> tuple[Case, ...]:
     """Return the poses of the map: `LAYERS` x `AZIMUTHS` x `TILTS` from level to each rim."""
     grid = regular_workspace(mechanism, LAYERS, Limits()).grid(AZIMUTHS, TILTS)
