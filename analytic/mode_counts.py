@@ -21,12 +21,13 @@ def mode_counts(
     *,
     beam: str = "euler-bernoulli",
     shear: str | float = "cowper",
+    torsion: bool = True,
 ) -> NDArray[np.int64]:
     """Return how many modes lie below `frequencies` (N, q) [Hz] at N `poses`, shape (N, q).
 
     By Wittrick and Williams (1971), as `Continuum.count_below`: the exact stiffness of the limbs,
-    no frequency computed. Torsion of the limbs is included; `elements`, `beam` and `shear` as for
-    `condensed_frequencies`. Raises `InputError` for a pose out of reach.
+    no frequency computed. `torsion`: with the limbs' own, which is coupled to nothing; `elements`,
+    `beam` and `shear` as for `condensed_frequencies`. Raises `InputError` for a pose out of reach.
     """
     known = constants(mechanism, Theory(beam, shear))
     lengths, vectors = geometry(known, mechanism, poses)
@@ -40,5 +41,5 @@ def mode_counts(
         problem = Characteristic(
             known.rods, lengths[of], vectors[of].reshape(-1, n, 3, 6), elements
         )
-        found[some] = problem.count(squares[some])
+        found[some] = (problem.count if torsion else problem.coupled_count)(squares[some])
     return found.reshape(frequencies.shape)

@@ -162,14 +162,15 @@ class Characteristic:
     def _isolated(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return brackets (count,) from a coarse grid that grows until it holds all modes."""
         grid = self.first * np.r_[STILL**2, np.geomspace(1e-6, 1e2, 65)]
-        below = self._below(grid)
+        below = self.coupled_count(grid)
         while below[-1] < count:
             more = grid[-1] * np.geomspace(1.2, 100, 25)
-            grid, below = np.r_[grid, more], np.r_[below, self._below(more)]
+            grid, below = np.r_[grid, more], np.r_[below, self.coupled_count(more)]
         upper = (below[None, :] > np.arange(count)[:, None]).argmax(axis=1)
         return np.where(upper > 0, grid[upper - 1], 0.0), grid[upper]
 
-    def _below(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.int64]:
+    def coupled_count(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the number of modes below each omega^2 of `eigenvalue` (q,), without torsion."""
         outside, values = self.spectra(eigenvalue)
         return np.asarray(outside + (values < 0).sum(axis=1))
 

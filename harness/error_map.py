@@ -55,6 +55,7 @@ class Errors:
     counted: NDArray[np.int64] = field(init=False)
     miscounted: NDArray[np.int64] = field(init=False)
     wrong: list[int] = field(default_factory=list)
+    twist: int = 0
 
     def __post_init__(self) -> None:
         self.total, self.squares, self.worst = np.zeros((3, len(self.modes)))
@@ -77,6 +78,7 @@ class Errors:
         self.counted += check.counted.sum(axis=0)[self.modes - 1]
         self.miscounted += check.wrong.sum(axis=0)[self.modes - 1]
         self.wrong += numbers[check.wrong.any(axis=1)].tolist()
+        self.twist += int(check.twist.sum())
 
 
 @dataclass(frozen=True)
@@ -185,6 +187,10 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
         if errors.counted.any():
             named = ", ".join(map(str, errors.wrong[:NAMED]))
             more = f": {named}{' ...' if len(errors.wrong) > NAMED else ''}" if named else ""
+            if errors.twist:
+                more += (
+                    f"; at {errors.twist} of them torsion of limbs, and nothing else, is missing"
+                )
             notes.append(
                 f"{errors.spec.label}: poses with a wrong mode count: "
                 f"{len(errors.wrong)} of {errors.poses}{more}"

@@ -24,10 +24,14 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class ModeCheck:
-    """At N poses, above each of `count` modes: was it counted there, and wrongly; (N, count)."""
+    """At N poses, above each of `count` modes: was it counted there, and wrongly; (N, count).
+
+    `twist` (N,): what is wrong at a pose is that torsion of limbs, coupled to nothing, is missing.
+    """
 
     counted: Flags
     wrong: Flags
+    twist: Flags
 
 
 def check_modes(found: Floats, mechanism: Mechanism, poses: Pose, theory: Spec) -> ModeCheck:
@@ -54,8 +58,19 @@ def check_modes(found: Floats, mechanism: Mechanism, poses: Pose, theory: Spec) 
     counted = gap > CLEAR * np.maximum(deviation[:, 1:], deviation[:, :-1])
     counted &= gap > REPEATED * exact[:, 1:]
     middle = (exact[:, 1:] + exact[:, :-1]) / 2
-    right = mode_counts(
-        mechanism, poses, middle, theory.elements, beam=theory.name, shear=theory.shear
+    right, without = (
+        mode_counts(
+            mechanism,
+            poses,
+            middle,
+            theory.elements,
+            beam=theory.name,
+            shear=theory.shear,
+            torsion=torsion,
+        )
+        for torsion in (True, False)
     )
     below = (found[:, None, :] < middle[:, :, None]).sum(axis=2)
-    return ModeCheck(counted, counted & (below != right))
+    wrong = counted & (below != right)
+    twist = wrong.any(axis=1) & ~(counted & (below != without)).any(axis=1)
+    return ModeCheck(counted, wrong, twist)
