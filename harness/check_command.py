@@ -13,7 +13,7 @@ from harness.options import as_typed, folder, split, takes_history
 if TYPE_CHECKING:
     from harness.check_report import Report
     from harness.gate import Finding
-    from harness.ratchet import Baseline
+    from harness.ratchet import Baseline, Reason
 
 DEFAULT = "results/baseline"
 
@@ -192,7 +192,7 @@ def _accept(
     """Make what was found the baseline, unless it must not be."""
     from dataclasses import replace
 
-    from harness.gate import FAILED
+    from harness.gate import FAILED, condense
     from harness.ratchet import accept, measure_noise, save
     from harness.terminal import progress
 
@@ -206,9 +206,10 @@ def _accept(
         click.echo(f"rps-bench: nothing accepted: {said}", err=True)
         return 1
     about = {"time": begin.isoformat(timespec="seconds"), "commit": report.about["commit"]}
+    why = _reasons(condense(lower), about, reason)
     with progress(checked.plan.solves) as done:
         noise = measure_noise(checked, done)
-    result = accept(known, report.now, noise, about, reason, _reasons(lower, about, reason))
+    result = accept(known, report.now, noise, about, reason, why)
     changed = {one.model: one for one in report.timings}
     since = {
         one.model: changed[one.model].since.isoformat()
@@ -217,17 +218,20 @@ def _accept(
     }
     result = replace(result, timed_since=result.timed_since | since)
     save(target, result)
-    wider = len(result.reasons) - len(known.reasons if known else ()) - len(lower)
+    wider = len(result.reasons) - len(known.reasons if known else ()) - len(why)
     click.echo(f"accepted into {target}/: {len(report.now.modes)} frequencies; "
                f"{wider} tolerances widened")  # fmt: skip
     return 0
 
 
-def _reasons(lower: Sequence["Finding"], about: dict[str, str], reason: str) -> list[Any]:
+def _reasons(
+    lower: Sequence[tuple["Finding", int]], about: dict[str, str], reason: str
+) -> list["Reason"]:
     from harness.ratchet import Reason
 
     return [
-        Reason(about["time"], about["commit"], one.quantity, one.model, one.case, one.mode or 0,
+        Reason(about["time"], about["commit"], one.quantity, one.model,
+               one.case if of == 1 else f"{one.case} (worst of {of})", one.mode or 0,
                str(one.before), str(one.after), reason)
-        for one in lower
+        for one, of in lower
     ]  # fmt: skip
