@@ -33,8 +33,8 @@ LONG = 0.5
 """A model is not run with more elements once a run took longer than this [s]."""
 SLOW, FEW = 1.0, 3
 """A run longer than SLOW [s] is timed FEW times at most."""
-ENDLESS = 4.0
-"""A run longer than this [s] is timed once."""
+ENDLESS = 2.0
+"""A run longer than this [s] is timed once, as it warms up."""
 SAMPLE = 0.01
 """Shorter runs are repeated within one measurement until they fill this time [s]."""
 
@@ -269,7 +269,7 @@ class Warm:
 
     def sample(self, k: int) -> None:
         """Time the job in round `k`, unless it has been timed often enough."""
-        if (self.seconds > SLOW and k >= FEW) or (self.seconds > ENDLESS and k >= 1):
+        if self.seconds > ENDLESS or (self.seconds > SLOW and k >= FEW):
             return
         if self.seconds <= LONG:
             self.job.run()  # what other models have displaced from caches is not this one's cost
@@ -318,7 +318,9 @@ def warm_up(
             failures[CASE, label] = str(error)
             continue
         started.add(job.model)
-        warm.append(Warm(job, seconds, answer, {}, []))
+        samples = {0: seconds / job.poses} if seconds > ENDLESS else {}
+        solving = [answer.solve_seconds] if samples and isinstance(answer, Modes) else []
+        warm.append(Warm(job, seconds, answer, samples, solving))
         if job.growing and seconds > LONG:
             stopped.add(job.model)
             why = f"not beyond s={job.size}, which took {seconds:.1f} s"

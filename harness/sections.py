@@ -30,7 +30,7 @@ from harness.shapes import assurance_figure, shapes_figure
 from harness.ways import solid_truth
 
 LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
-ROUNDS = 5
+ROUNDS = 3
 """How often what is timed is timed."""
 COST_STEPS = (1, 2, 4, 8, 16, 32, 64)
 BATCHES = (1, 10, 100, 1000, 10_000)

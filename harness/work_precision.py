@@ -22,6 +22,8 @@ from reference_models.richardson import Richardson
 Array = NDArray[np.float64]
 GROUPS = {"f1-f3": 3, "f1-f6": 6}
 """The modes that an error is the worst of."""
+OWN, SOLID = "own theory", "3-D"
+"""The kinds of error: against the limit of the model's own theory, and against solids."""
 STEPS = (1, 2, 3, 4, 8, 16, 32)
 """Elements of analytic models and simulators' beams."""
 SHIFT = 1e-12
@@ -66,6 +68,20 @@ class Point:
     def elements(self) -> str:
         """The elements as text: "3", "8+16" or "exact"."""
         return self.spec.label.partition("@")[2]
+
+    def errors(self, kind: str) -> Array | None:
+        """Return the errors of one kind, `OWN` or `SOLID`."""
+        return self.own if kind == OWN else self.solid
+
+
+def worst(errors: Array | None, modes: int) -> float:
+    """Return the largest error of the lowest `modes` over all cases [%]; NaN without a truth."""
+    return float("nan") if errors is None else float(np.abs(errors[:, :modes]).max())
+
+
+def milliseconds(point: Point) -> float:
+    """Return the median time of a pose [ms]."""
+    return 1e3 * float(np.median(point.seconds))
 
 
 @dataclass(frozen=True)

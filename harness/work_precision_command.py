@@ -6,6 +6,7 @@ from harness.models import parse
 from harness.options import CostRequest, Request
 from harness.terminal import progress, show, status, write
 
+
 @click.command(name="work-precision")
 @click.option("--cases", metavar="CASE,CASE", help="Cases by name; default case1,case2.")
 @click.option("--case-file", metavar="FILE", help="TOML file with cases of your own.")

@@ -6,36 +6,30 @@ their theory's are not precise.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analytic.theory import BEAMS
 from harness.cost import ENDLESS, FEW, SLOW
-from harness.figures import COLOURS, MARKERS, figure_files
+from harness.figures import figure_files
 from harness.tables import Cell, Number, Table
 from harness.ways import BATCH, theory_of
-from harness.work_precision import GROUPS, Point, Truth, WorkPrecision
+from harness.work_precision import (
+    GROUPS,
+    OWN,
+    SOLID,
+    Point,
+    Truth,
+    WorkPrecision,
+    milliseconds,
+    worst,
+)
+from harness.work_precision_figure import precision_figure
 
 TARGETS = (1.0, 0.1, 0.01)
 """What the cheapest way is sought to [%]."""
 KINDS = {"batch": f"{BATCH} poses a call", "single": "one pose", "simulator": "simulator"}
-OWN, SOLID = "own theory", "3-D"
-LEAST = 1e-8
-"""Errors are drawn no smaller than this [%]: below it is the rounding of eigen-solutions."""
-
-
-def worst(errors: NDArray[np.float64] | None, modes: int) -> float:
-    """Return the largest error of the lowest `modes` over all cases [%]; NaN without a truth."""
-    return float("nan") if errors is None else float(np.abs(errors[:, :modes]).max())
-
-
-def milliseconds(point: Point) -> float:
-    """Return the median time of a pose [ms]."""
-    return 1e3 * float(np.median(point.seconds))
 
 
 def cheapest(points: Sequence[Point]) -> Point | None:
@@ -74,7 +68,7 @@ def precision_sentences(result: WorkPrecision) -> list[str]:
     lines = []
     if result.solid is not None:
         floors = [
-            f"{theory} to {worst(floor, 3):.2g} % on f1-f3 and {worst(floor, 6):.2g} % on f1-f6"
+            f"{theory} below {worst(floor, 3):.2g} % on f1-f3 and {worst(floor, 6):.2g} % on f1-f6"
             for theory, floor in result.floors.items()
             if theory in BEAMS
         ]
@@ -215,8 +209,8 @@ def verdict(
         return f"{best.elements}: {milliseconds(best):.3g} ms"
     if floor - unsure > target:
         return f"not reachable: floor {floor:.2g} %"
-    closest = min(points, key=lambda point: worst(_errors(point, kind), modes))
-    error = worst(_errors(closest, kind), modes)
+    closest = min(points, key=lambda point: worst(point.errors(kind), modes))
+    error = worst(closest.errors(kind), modes)
     if min(floor, error) - unsure <= target < max(floor, error) + unsure and unsure > 0:
         return f"undecided: {closest.elements} is off by {error:.2g} +- {unsure:.2g} %"
     return f"no: {closest.elements} is off by {error:.2g} %"
@@ -224,16 +218,12 @@ def verdict(
 
 def meets(result: WorkPrecision, point: Point, kind: str, modes: int, target: float) -> bool:
     """Return whether `point`, and its theory without elements, are surely within `target` [%]."""
-    theory, errors = theory_of(point.spec), _errors(point, kind)
+    theory, errors = theory_of(point.spec), point.errors(kind)
     truth = result.limits.get(theory) if kind == OWN else result.solid
     if truth is None or errors is None:
         return False
     larger = max(worst(errors, modes), _floor(result, theory, kind, modes))
     return larger + truth.uncertainty(modes) <= target
-
-
-def _errors(point: Point, kind: str) -> NDArray[np.float64] | None:
-    return point.own if kind == OWN else point.solid
 
 
 def _floor(result: WorkPrecision, theory: str, kind: str, modes: int) -> float:
@@ -250,44 +240,3 @@ def _truths(result: WorkPrecision) -> list[tuple[str, str]]:
 def _named(point: Point) -> str:
     method = point.method.removesuffix(f", {BATCH} poses a call")
     return f"{method}@{point.elements}: {milliseconds(point):.3g} ms"
-
-
-def precision_figure(result: WorkPrecision) -> Figure:
-    """Return error against time, log-log: a column a group of modes, a row a truth."""
-    kinds = {OWN: "own theory's limit"}
-    if result.solid is not None:
-        kinds[SOLID] = result.solid.spec.label
-    size = (11.5, 4.2 * len(kinds) + 1.6)
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(len(kinds), len(GROUPS), squeeze=False, sharex=True, sharey="row")
-    methods = list(dict.fromkeys(point.method for point in result.points))
-    for strip, (kind, against) in zip(panels, kinds.items(), strict=True):
-        for axes, (group, modes) in zip(strip, GROUPS.items(), strict=True):
-            for k, method in enumerate(methods):
-                points = [point for point in result.points if point.method == method]
-                _curve(axes, points, kind, modes, k)
-            if kind == SOLID and result.solid is not None:
-                axes.axhspan(0, result.solid.uncertainty(modes), color="0.85", zorder=0)
-            axes.set(xscale="log", yscale="log", title=f"{group}, against {against}")
-            axes.title.set_fontsize(10)
-            axes.grid(alpha=0.25)
-        strip[0].set_ylabel("largest error [%]")
-    for axes in panels[-1]:
-        axes.set_xlabel("time of a pose [ms]")
-    handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8, frameon=False)
-    return figure
-
-
-def _curve(axes: Axes, points: Sequence[Point], kind: str, modes: int, k: int) -> None:
-    """Draw one model; a line joins its meshes, and extrapolated pairs are hollow on their own."""
-    colour, marker = COLOURS[k % len(COLOURS)], MARKERS[(k // len(COLOURS)) % len(MARKERS)]
-    style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 5, "lw": 1.0}
-    pairs = [point for point in points if isinstance(point.spec.elements, tuple)]
-    meshes = [point for point in points if point not in pairs]
-    for some, look in ((meshes, {"ls": "-"}), (pairs, {"ls": ":", "mfc": "none"})):
-        if not some:
-            continue
-        errors = [max(worst(_errors(point, kind), modes), LEAST) for point in some]
-        style["label"] = points[0].method if some is meshes else None
-        axes.plot([milliseconds(p) for p in some], errors, **style | look)
