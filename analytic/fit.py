@@ -52,7 +52,7 @@ def minimise(
     the gradient points through, a parameter rests. `owner` (B,) is what `residuals` is told, by
     default the row.
     """
-    points = np.clip(start, lower, upper)
+    points = np.where(free, np.clip(start, lower, upper), start)
     owner = np.arange(len(points)) if owner is None else owner
     values = residuals(points, owner)
     sums = (values**2).sum(axis=1)
@@ -77,8 +77,8 @@ def minimise(
         diagonal += damping[left, None] * scale[left] + 1e-300
         diagonal[still] = 1.0
         move = -np.linalg.solve(damped, g[..., None])[..., 0]
-        trial = np.clip(at + move, lower, upper)
-        move = trial - at
+        move = np.where(still, 0.0, np.clip(at + move, lower, upper) - at)
+        trial = at + move
         found = residuals(trial, owner[left])
         after = (found**2).sum(axis=1)
         better = after < sums[left]

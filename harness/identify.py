@@ -123,6 +123,7 @@ def readings(
     True.
     """
     found = []
+    most = min(most, round(float(table.weights.sum())) - 1, len(names))
     chosen = [s for k in range(most + 1) for s in combinations(range(len(names)), k)]
     free = np.zeros((len(chosen), len(names)), dtype=bool)
     for row, columns in enumerate(chosen):

@@ -100,8 +100,9 @@ def identify(
     of_readings = {name: pair for name, pair in given.items() if name in chosen}
     relative, seeded = _noise(noise), _whole("--seed", seed, 0, 2**31)
     begun = _whole("--starts", starts, 1, MOST_STARTS)
-    most = min(_whole("--free", free, 0, MOST_FREE), len(chosen))
+    most = _whole("--free", free, 0, MOST_FREE)
     problems = [Problem(table, specs[0], tuple(names), inertia, slip, of_fit) for slip in mirrored]
+    Problem(table, specs[0], tuple(chosen), bounds=of_readings)  # refused before any work
     with progress(len(problems) + len(specs) * (len(mirrored) + (False in mirrored))) as done:
         results = []
         for problem in problems:

@@ -55,7 +55,7 @@ class Problem:
             if not a < b:
                 raise InputError("--bounds", name, "a lower bound below the upper one")
             if not a - 1e-12 <= x <= b + 1e-12 and name not in self.bounds:
-                raise InputError("--parameters", name, "a starting value within default bounds")
+                raise InputError("parameter", name, "a starting value within default bounds")
 
     def _reaches(self, name: str) -> list[int]:
         """Return which cases `name` belongs to."""
@@ -65,7 +65,7 @@ class Problem:
         if own not in PARAMETERS or (dot and (own not in POSE or case not in known)):
             poses = ", ".join(f"{known[-1]}.{p}" for p in POSE)
             expected = f"one of {', '.join(PARAMETERS)}, or of one case as {poses}"
-            raise InputError("--parameters", name, expected)
+            raise InputError("parameter", name, expected)
         if dot:
             return [known.index(case)]
         special = {known.index(n.rpartition(".")[0]) for n in self.names if n.endswith(f".{own}")}
@@ -73,7 +73,7 @@ class Problem:
         if PARAMETERS[own].angle:
             shared = [k for k in shared if cases[k].pose.tilt != 0]
         if not shared:
-            raise InputError("--parameters", name, "a case that this parameter is left for")
+            raise InputError("parameter", name, "a case that this parameter is left for")
         return shared
 
     @property

@@ -135,7 +135,7 @@ def parameters_table(results: Sequence[Identification]) -> Table:
         rms = float(np.sqrt(fits.minima.sums[0] / problem.table.weights.sum()))
         notes.append(
             f"{label}: rms {100 * rms:.2f} %, {noise_text(result)}; "
-            f"{fits.reached[0]} of the starts that were followed to the end met at this minimum"
+            f"{fits.reached[0]} starts met at this minimum"
         )
     level = f"{100 * LEVEL:.0f} %"
     notes += [
@@ -192,8 +192,8 @@ def directions_table(found: Sequence[Direction], problem: Problem) -> Table:
     notes = (
         f"{model_label(problem)}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
         "left out; theta and phi: tilt and azimuth themselves",
-        "infinite: frequencies do not change at all along these; nothing but frequencies cannot "
-        "tell a mechanism from one of another scale, or of E and rho raised alike",
+        "infinite: frequencies do not change at all along these, whatever the table; they tell "
+        "neither scale nor E and rho raised alike",
     )
     columns = ("Product of powers", "1 sigma [%]", "The table")
     return Table("What the table pins down, and what not", columns, tuple(rows), notes)

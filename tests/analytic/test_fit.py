@@ -51,8 +51,11 @@ def test_what_is_not_free_stays():
     found = minimise(residuals(observed), truth, free, LOW, HIGH)
     np.testing.assert_array_equal(found.points[:, 1], truth[:, 1])
     assert (found.points[:, [0, 2]] != truth[:, [0, 2]]).all()
-    nothing = minimise(residuals(observed), truth, free & False, LOW, HIGH)
-    np.testing.assert_array_equal(nothing.points, truth)
+    outside = minimise(residuals(observed), truth + 2, free & False, LOW, HIGH)
+    np.testing.assert_array_equal(outside.points, truth + 2)
+    free[:, 1], free[:, 2] = True, False
+    beside = minimise(residuals(observed), truth + np.array([0, 0, 1.5]), free, LOW, HIGH)
+    np.testing.assert_array_equal(beside.points[:, 2], truth[:, 2] + 1.5)
 
 
 def test_search_leaves_the_valley_it_starts_in():

@@ -129,9 +129,10 @@ COMMANDS = [
     ([*SWEEP, "--scheduler", "ftp://here:1"], "--scheduler", "'ftp://here:1'", "address scheme"),
     (["identify", "--table", "missing.csv"], "--table", "missing.csv", "readable CSV"),
     (["identify", "--method", "ANSYS"], "--method", "'ANSYS'", "Theoretical or FEA"),
-    (["identify", "--parameters", "mass"], "--parameters", "'mass'", "one of z_mm"),
-    (["identify", "--parameters", "case9.z_mm"], "--parameters", "case9.z_mm", "one of z_mm"),
+    (["identify", "--parameters", "mass"], "parameter", "'mass'", "one of z_mm"),
+    (["identify", "--parameters", "case9.z_mm"], "parameter", "case9.z_mm", "one of z_mm"),
     (["identify", "--candidates", "z_mm,"], "--candidates", "'z_mm,'", "separated by commas"),
+    (["identify", "--candidates", "mass"], "parameter", "'mass'", "one of z_mm"),
     (["identify", "--free", "9"], "--free", "'9'", "0 to 5"),
     (["identify", "--bounds", "z_mm=7"], "--bounds", "'z_mm=7'", "NAME=LOW..HIGH"),
     (["identify", "--bounds", "z_mm=700..400"], "--bounds", "700..400", "LOW below HIGH"),
@@ -143,6 +144,9 @@ COMMANDS = [
     (["identify", "--noise", "-1"], "--noise", "'-1'", "percentage"),
     (["identify", "--seed", "x"], "--seed", "'x'", "whole number"),
     (["identify", "--output", ""], "--output", "''", "folder"),
+    (["dashboard", "--output", ""], "--output", "''", "name of a file"),
+    (["dashboard", "--results", "nowhere"], "--results", "'nowhere'", "rps-bench reproduce"),
+    (["dashboard", "--results", ""], "--results", "''", "a folder"),
 ]
 
 CASE_FILES = [
