@@ -119,11 +119,15 @@ class History:
         self._base.execute(f"CREATE TABLE rows ({typed})")
         if sound:
             kept = ", ".join(f'"{name}"' for name in COLUMNS if name in columns)
-            self._base.execute(
-                f"INSERT INTO rows BY NAME SELECT {kept} "
-                "FROM read_parquet($1, union_by_name = true) ORDER BY time, run",
-                [sound],
-            )
+            try:
+                self._base.execute(
+                    f"INSERT INTO rows BY NAME SELECT {kept} "
+                    "FROM read_parquet($1, union_by_name = true) ORDER BY time, run",
+                    [sound],
+                )
+            except duckdb.Error as error:
+                expected = f"files that stay while they are read ({str(error).splitlines()[0]})"
+                raise InputError("--history", str(folder), expected) from None
         self._base.execute("SET enable_external_access = false")
         self._base.execute("SET lock_configuration = true")
 

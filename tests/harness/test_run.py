@@ -1,6 +1,7 @@
 """A study pairs by shape beyond the modes that are shown."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,3 +56,28 @@ def test_mechanisms_are_told_apart() -> None:
     names = ("case1", "case1-printed-inertia", "case1-z-r1-fitted")
     study = run([PRESETS[name] for name in names], [Spec("rayleigh", 1)], 1)
     assert len({row["mechanism"] for row in rows(study)}) == 3
+
+
+def test_rows_say_their_settings_and_assurance() -> None:
+    """Assurance is with the first model that has an answer; kappa is said where it matters."""
+    specs = [
+        Spec("exudyn-beam", 1, 0.9),
+        Spec("euler-bernoulli", 3),
+        Spec("timoshenko", None, 0.9),
+        Spec("exudyn-beam", 4, 0.9),
+    ]
+    study = run([PRESETS["case2"]], specs, 6)
+    failed = replace(study, modes={k: m for k, m in study.modes.items() if k[1] != specs[0].label})
+    by_model: dict[str, list[dict[str, Any]]] = {}
+    for row in rows(failed):
+        by_model.setdefault(row["model"], []).append(row)
+    first, exact, beam = by_model.values()
+    assert {row["assurance"] for row in first} == {None}
+    for found, spec in ((exact, specs[2]), (beam, specs[3])):
+        pairing = study.pairing(PRESETS["case2"], spec, specs[1])
+        assert pairing is not None
+        assert [row["assurance"] for row in found] == pairing.assurance.tolist()
+        assert min(row["assurance"] for row in found) > 0.9
+    assert {row["settings"] for row in first} == {'{"count": 8}'}
+    for found in (exact, beam):
+        assert {row["settings"] for row in found} == {'{"count": 8, "shear": 0.9}'}

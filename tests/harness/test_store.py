@@ -120,6 +120,22 @@ def test_processes_append_at_once_while_another_reads(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == PROCESSES * RUNS  # no temporary file is left
 
 
+def test_a_run_is_not_seen_before_it_is_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = []
+
+    def look(_: int) -> None:
+        history = open_history(tmp_path)
+        seen.append((history.skipped, history.query("SELECT * FROM rows").height))
+
+    monkeypatch.setattr(os, "fsync", look)
+    append(tmp_path, some_rows(), "table")
+    assert seen == [([], 0)]
+    look(0)
+    assert seen[-1] == ([], MODES)
+
+
 def cut(content: bytes) -> bytes:
     return content[: len(content) // 2]
 
@@ -244,6 +260,20 @@ def test_a_folder_that_is_not_there_is_empty(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match=r"--history = .*file': expected a folder"):
         open_history(tmp_path / "file")
+
+
+def test_a_file_that_is_removed_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    append(tmp_path, some_rows(), "table")
+    check = store._columns
+
+    def removing(path: Path) -> set[str]:
+        found = check(path)
+        path.unlink()
+        return found
+
+    monkeypatch.setattr(store, "_columns", removing)
+    with pytest.raises(InputError, match=r"--history = .*files that stay while they are read"):
+        open_history(tmp_path)
 
 
 def test_names_that_look_like_patterns(tmp_path: Path) -> None:
