@@ -4,6 +4,7 @@ import errno
 import multiprocessing
 import os
 import random
+import time
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -90,19 +91,19 @@ def test_outside_a_checkout_there_is_no_commit(
 
 
 def writer(folder: Path, number: int, go: Any) -> None:
-    go.wait()
+    go.wait()  # for the other writers
     for k in range(RUNS):
         append(folder, some_rows(f"{number}-{k}"), "table")
+        time.sleep(0.05)  # time to be read meanwhile
 
 
 @pytest.mark.slow
 def test_processes_append_at_once_while_another_reads(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
-    go = context.Event()
+    go = context.Barrier(PROCESSES)
     writers = [context.Process(target=writer, args=(tmp_path, n, go)) for n in range(PROCESSES)]
     for process in writers:
         process.start()
-    go.set()
     seen = [0]
     while any(process.is_alive() for process in writers):
         history = open_history(tmp_path)
