@@ -69,13 +69,15 @@ def finish(history: Path | None, *studies: Study) -> int:
     Comes last in a command: where the history cannot be written, nothing else is lost.
     """
     ended = status({key: why for study in studies for key, why in study.failures.items()})
+    if history is None:
+        return ended
     # Studies of one command may share a model, whose rows differ in seconds at most: the first's.
     found = {
         tuple(row[name] for name in ("case", "mechanism", "model", "settings", "mode")): row
         for study in reversed(studies)
         for row in rows(study)
     }
-    if history is not None and found:
+    if found:
         from harness.store import append
 
         append(history, list(found.values()), as_typed())
