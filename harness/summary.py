@@ -60,7 +60,7 @@ def headlines(study: Study, theory: Spec, references: Sequence[Spec]) -> list[st
         wrong = [mode for case in printed for mode in _not_following(case)]
         lines.append(
             f"{len(wrong)} of the {6 * len(printed)} errors that Table I prints do not follow from "
-            f"the two rows above them: {', '.join(wrong) or 'none'}."
+            f"the digits of the two rows above them: {', '.join(wrong) or 'none'}."
         )
     own = [
         relative_error(_first(case, study, theory), _exact(case, study, theory, theory.name))
@@ -182,7 +182,7 @@ def causes_of(result: Budget) -> list[str]:
         for p, part in enumerate(result.parts)
     )
     label = replace(result.theory, elements=PAPER_ELEMENTS).label
-    return [f"{label} against {result.reference.label}, in points: {parts}."]
+    return [f"{label} against {result.reference.label}, by cause: {parts}."]
 
 
 def slender(result: Slenderness) -> list[str]:
