@@ -1,6 +1,7 @@
 """Planted parameters come back within their intervals; Table I says what is known of it."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ PLANTED = (530.0, 270.0, 22.0, -11.0)
 SPEC = parse_analytic("euler-bernoulli@3", "model")
 NOISE = 0.005
 TRIALS = 100
+ROOT = Path(__file__).parents[2]
 
 
 def planted(noise, trials, seed=1):
@@ -292,3 +294,11 @@ def test_the_command_writes_all_it_says(rps_bench, tmp_path):
     assert "identification.svg" in names
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+
+
+def test_the_page_shows_the_accepted_tables():
+    page = (ROOT / "docs" / "identification.md").read_text()
+    for stem in ("identification", "identification-parameters", "identification-quantities"):
+        accepted = (ROOT / "results" / f"{stem}.md").read_text()
+        table = "\n".join(line for line in accepted.splitlines() if line.startswith("|"))
+        assert table in page
