@@ -162,7 +162,8 @@ def _runs(found: "pl.DataFrame", folder: Path, notes: list[str]) -> "Table":
     columns = ("Run", "Time (UTC)", "Command", "Commit", "Release", "Rows", "Versions")
     rows: list[tuple[Cell, ...]] = [
         (
-            row["run"], f"{row['time']:%Y-%m-%d %H:%M:%S}", row["command"] or "",
+            row["run"], f"{row['time']:%Y-%m-%d %H:%M:%S}",
+            (row["command"] or "").removeprefix("rps-bench "),
             _short(row["commit"] or ""), row["release"] or "", row["rows"], row["versions"],
         )
         for row in found.iter_rows(named=True)

@@ -77,8 +77,8 @@ def test_runs_are_listed(rps_bench: Bench, past: Path) -> None:
     answer = rps_bench("history", "--history", str(past))
     assert answer.status == 0
     first, second = [line for line in answer.out.splitlines() if "2026-01-0" in line]
-    assert "2026-01-01 12:00:00   rps-bench table " in first
-    assert "rps-bench refine --modes 1-2" in second
+    assert "2026-01-01 12:00:00   table " in first
+    assert "   refine --modes 1-2 " in second
     for line in (first, second):
         assert " 12 " in line
         assert ", exudyn 1" in line
@@ -146,7 +146,7 @@ def test_a_process_ends_in_silence(past: Path) -> None:
         [*command, "history", "--history", str(past)], capture_output=True, text=True, check=False
     )
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert "rps-bench refine" in ended.stdout
+    assert "refine --modes 1-2" in ended.stdout
 
 
 def test_skipped_files_are_named(rps_bench: Bench, past: Path, tmp_path: Path) -> None:
