@@ -21,6 +21,8 @@ def dashboard(output: str, results: str, history: Path | None) -> int:
     file = Path(output)
     if not file.name or file.is_dir():
         raise InputError("--output", output, "the name of a file, such as dashboard.html")
+    if not results:
+        raise InputError("--results", results, "the name of a folder")
     content = page(read_sources(Path(results), history))
     (written,) = write_all(file.parent, {file.name: content})
     click.echo(f"wrote {written} ({len(content) / 1e6:.1f} MB)")

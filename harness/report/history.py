@@ -1,5 +1,6 @@
 """History: every frequency and timing of every recorded run, compactly."""
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,8 +12,9 @@ from harness.report.sources import Sources
 
 MOST_NUMBERS = 120_000
 """Values kept in the page; of more, the newest runs."""
+YARDSTICK = "yardstick"  # the gate's model that only says how fast the machine was
 RUN = ("run", "time", "command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
-SERIES = ["case", "model", "mechanism"]
+SERIES = ["case", "model", "mechanism", "variant"]
 
 
 def section(sources: Sources, ledger: Ledger) -> Section:
@@ -21,20 +23,36 @@ def section(sources: Sources, ledger: Ledger) -> Section:
     if sources.points.is_empty():
         missing = "every run records itself: `rps-bench table`, say, makes this section"
         return Section("history", title, missing=missing)
-    runs, points = _newest(sources.runs, sources.points)
+    yard = sources.points.filter(pl.col("model") == YARDSTICK)
+    runs, points = _newest(sources.runs, sources.points.filter(pl.col("model") != YARDSTICK))
     place = {run: k for k, run in enumerate(runs["run"])}
     points = points.with_columns(pl.col("run").replace_strict(place).alias("place"))
-    points = points.sort("place", "mode", maintain_order=True)
+    variants = {one: _variant(one) for one in points["settings"].unique()}
+    points = points.with_columns(
+        pl.col("settings").replace_strict(variants, return_dtype=pl.String).alias("variant")
+    ).sort("place", "mode", maintain_order=True)
     series = [_series(group) for group in points.partition_by(SERIES, maintain_order=True)]
-    data = {"runs": _runs(runs), "series": series}
+    seconds = dict(zip(yard["run"], yard["solve_s"], strict=True))
+    yardstick = [_milliseconds(seconds.get(run)) for run in runs["run"]]
+    data = {"runs": _runs(runs), "series": series, "yardstick": yardstick}
     context = {
-        "models": sorted({one["model"] for one in series}),
+        "models": list(dict.fromkeys(one["model"] for one in series)),
         "cases": list(dict.fromkeys(one["case"] for one in series)),
         "shown": len(runs),
         "all": len(sources.runs),
         "latest": sources.runs.tail(12).reverse().to_dicts(),
     }
     return Section("history", title, context, data)
+
+
+def _variant(settings: str | None) -> str:
+    """Return the settings that make a number another one: not how many modes were asked for."""
+    try:
+        known = json.loads(settings or "{}")
+    except ValueError:
+        return settings or ""
+    known = {name: value for name, value in known.items() if name != "count"}
+    return json.dumps(known, sort_keys=True) if known else ""
 
 
 def _newest(runs: pl.DataFrame, points: pl.DataFrame) -> tuple[pl.DataFrame, pl.DataFrame]:
@@ -69,6 +87,7 @@ def _series(group: pl.DataFrame) -> dict[str, Any]:
         "case": first["case"],
         "model": first["model"],
         "mechanism": first["mechanism"],
+        "variant": first["variant"],
         "pose": [first["z_m"], first["azimuth_rad"], first["tilt_rad"]],
         "at": changes([place - k for k, place in enumerate(places)]),
         "build": [_milliseconds(value) for value in once["build_s"]],

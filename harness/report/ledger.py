@@ -1,5 +1,6 @@
 """Where every number on the page comes from: one record a source, shared by its numbers."""
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -50,13 +51,19 @@ class Ledger:
         if not found:
             return None
         row = found[0]
-        recorded = self._recorded(case, label, [one["frequency_hz"] for one in found])
+        recorded = self._recorded(case, label, row["frequency_hz"])
+        merged = (recorded or {}) | row
         fields = {
             **where(case, row["z_m"], row["azimuth_rad"], row["tilt_rad"], row["mechanism"]),
-            **what(label, row["theory"], row["version"], (recorded or {}).get("settings")),
-            **measured(row),
+            **what(label, row["theory"], row["version"], merged.get("settings")),
+            "Uncertainty": uncertainty(found),
+            **measured(merged),
             "File": "results/frequencies.csv",
-            **({} if recorded is None else environment(self.versions[recorded["run"]])),
+            **(
+                {}
+                if recorded is None
+                else environment(self.versions[recorded["run"]], "Same number in")
+            ),
             "Command": command(case, label),
         }
         return self.add(f"{label} at {case}", fields)
@@ -76,14 +83,13 @@ class Ledger:
         }
         return self.add(f"{spec.label} at {case.name}", fields)
 
-    def _recorded(self, case: str, label: str, frequencies: list[float]) -> dict[str, Any] | None:
-        """Return a row of the newest recorded run that gave these very numbers, if any did."""
+    def _recorded(self, case: str, label: str, first: float) -> dict[str, Any] | None:
+        """Return a row of the newest recorded run whose first frequency is this one, if any."""
         points = self._sources.points
         if points.is_empty():
             return None
         same = points.filter(case=case, model=label, mode=1)
-        first = same["frequency_hz"].to_numpy()
-        same = same.filter(np.isclose(first, frequencies[0], rtol=1e-12, atol=0))
+        same = same.filter(np.isclose(same["frequency_hz"].to_numpy(), first, rtol=1e-12, atol=0))
         place = {run: number for number, run in enumerate(self.versions)}
         rows: list[dict[str, Any]] = same.to_dicts()
         return max(rows, key=lambda row: place[row["run"]], default=None)
@@ -107,15 +113,32 @@ def what(label: str, theory: str, version: str, settings: str | None) -> Fields:
     elif elements:
         elements += " a limb"
     fields = {"Model": label, "Theory": theory, "Elements": elements, "Version": version}
-    return fields | {"Settings": "" if settings in (None, "{}") else settings}
+    return fields | {"Settings": in_words(settings)}
+
+
+def in_words(settings: str | None) -> str:
+    """Return a row's settings, JSON, as "name value, name value"."""
+    try:
+        known = json.loads(settings or "{}")
+    except ValueError:
+        return settings or ""
+    return ", ".join(f"{name} {value}" for name, value in known.items())
+
+
+def uncertainty(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the numerical uncertainty of every mode of a model in words."""
+    known = [(row["mode"], row["uncertainty_hz"]) for row in rows if row["uncertainty_hz"]]
+    if not known:
+        return "not estimated"
+    return ", ".join(f"f{mode} ±{value:.2g}" for mode, value in known) + " Hz, by extrapolation"
 
 
 def measured(row: dict[str, Any]) -> Fields:
     """Return coordinates, joint gap and seconds of a tidy row in words."""
-    gap, spent = row["closure_m"], ""
-    if row["build_s"] is not None and row["solve_s"] is not None:
-        build, solve = 1000 * row["build_s"], 1000 * row["solve_s"]
-        spent = f"{build:.3g} ms to build, {solve:.3g} to solve"
+    gap, build, solve = row["closure_m"], row.get("build_s"), row.get("solve_s")
+    spent = ""
+    if build is not None and solve is not None:
+        spent = f"{1000 * build:.3g} ms to build, {1000 * solve:.3g} to solve"
     return {
         "Coordinates": str(row["dofs"] or ""),
         "Joint gap": "none can open" if gap is None else f"{gap:.1e} m",
@@ -123,10 +146,10 @@ def measured(row: dict[str, Any]) -> Fields:
     }
 
 
-def environment(run: dict[str, Any]) -> Fields:
+def environment(run: dict[str, Any], heading: str = "Run") -> Fields:
     """Return when, from which commit and on what a recorded run ran."""
     return {
-        "Recorded": f"{run['time']:%Y-%m-%d %H:%M} UTC, run {run['run']}",
+        heading: f"{run['time']:%Y-%m-%d %H:%M} UTC, run {run['run']}",
         "Commit": f"{run['commit']} (rps-bench {run['release']})",
         "Machine": run["machine"],
         "Python": f"{run['python']}, numpy {run['numpy']}, scipy {run['scipy']}, {run['blas']}",

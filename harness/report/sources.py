@@ -4,6 +4,7 @@ import csv
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,7 @@ def _history(
     return runs, points, workspace
 
 
+@cache
 def _solve() -> Study:
     specs = [Spec(name, elements) for name in BEAMS for elements in (*ELEMENTS, None)]
     return run([PRESETS[name] for name in CASES], specs, 6)

@@ -9,6 +9,9 @@ from harness.report.sources import Sources
 
 VERDICTS = ("holds", "holds only if", "fails", "cannot be reproduced")
 
+SHOWN = ("kind", "model", "case", "mode", "quantity", "before", "after", "tolerance", "verdict",
+         "cause")  # fmt: skip
+
 
 def kind(verdict: str) -> str:
     """Return which of `VERDICTS` a claim's verdict is; "other" for none of them."""
@@ -44,11 +47,16 @@ def _gate(check: dict[str, Any] | None) -> dict[str, Any] | None:
     if check is None:
         return None
     findings = [one for one in check.get("findings", []) if isinstance(one, dict)]
-    names = list(dict.fromkeys(name for one in findings for name in one))
-    rows = [["" if one.get(n) is None else _short(one[n]) for n in names] for one in findings]
-    said = str(check.get("status", "not said"))
-    good = said.lower() in ("passed", "pass", "ok", "good", "green")
-    return {"status": said, "good": good, "columns": names, "rows": rows}
+    names = [n for n in SHOWN if any(one.get(n) not in (None, "") for one in findings)]
+    status = str(check.get("status", "not said"))
+    return {
+        "status": status,
+        "good": status == "passed",
+        "summary": str(check.get("summary", "")).removeprefix(f"{status}: "),
+        "time": str(check.get("time", ""))[:16].replace("T", " "),
+        "columns": names,
+        "rows": [["" if one.get(n) is None else _short(one[n]) for n in names] for one in findings],
+    }
 
 
 def _short(value: Any) -> str:

@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 import polars as pl
 
-from harness.report.ledger import Ledger, environment
+from harness.report.ledger import Ledger, environment, in_words
 from harness.report.section import Section, digits
 from harness.report.sources import Sources
 
-MOST_NUMBERS = 60_000
+MOST_NUMBERS = 120_000
 """Frequencies kept in the page; the newest runs come first."""
 POSE = ("z_mm", "azimuth_deg", "tilt_deg")
 MAP_COMMAND = "rps-bench workspace --output results/workspace"
@@ -73,7 +73,7 @@ def _recorded(sources: Sources, ledger: Ledger) -> dict[str, Any] | None:
     newest = next(run for run in order if run in present)
     mechanism = frame.filter(run=newest)["mechanism"][0]
     same = frame.filter(mechanism=mechanism)
-    poses = same.filter(run=newest).select(POSE).unique(maintain_order=True).sort(POSE)
+    poses = same.filter(run=newest).select(POSE).unique().sort(POSE)
     place = poses.with_row_index("place")
     same = same.join(place, on=list(POSE))
     keep: list[Any] = []
@@ -124,7 +124,7 @@ def _record(ledger: Ledger, run: str, label: Any, rows: pl.DataFrame) -> int:
             "Model": label,
             "Theory": rows["theory"][0],
             "Version": rows["version"][0],
-            "Settings": rows["settings"][0] or "",
+            "Settings": in_words(rows["settings"][0]),
             **environment(one),
             "Command": one["command"],
         },

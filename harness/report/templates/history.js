@@ -2,6 +2,7 @@
 const past = read("history");
 if (past) {
   const CONTROLS = ["case", "model", "what", "mode", "along"].map((one) => `history-${one}`);
+  const TIMES = ["solve", "build", "relative"];
   const value = (one) => $(`history-${one}`).value;
   const spread = ([length, ...pairs]) => {
     const result = new Array(length);
@@ -15,11 +16,12 @@ if (past) {
 
   // A case may lack a model; a model has its own number of modes.
   const refill = () => {
-    const models = [...new Set(past.series.filter((one) => one.case === value("case")).map((one) => one.model))].sort();
+    const models = [...new Set(past.series.filter((one) => one.case === value("case")).map((one) => one.model))]
+      .sort((a, b) => a.localeCompare(b, "en", {numeric: true}));
     select("history-model", models.map((one) => [one, one]));
     const modes = [...new Set(chosen().flatMap((one) => Object.keys(one.f)))].sort((a, b) => a - b);
     select("history-mode", [["all", "all"], ...modes.map((one) => [one, `f${one}`])]);
-    $("history-mode").disabled = ["solve", "build"].includes(value("what"));
+    $("history-mode").disabled = TIMES.includes(value("what"));
   };
   for (const id of CONTROLS) $(id).addEventListener("input", refill);
   refill();
@@ -27,33 +29,36 @@ if (past) {
   const record = (one, place, run, settings) => ({title: "", parts: [], fields: {
     Case: one.case, Pose: `z = ${+(1000 * one.pose[0]).toFixed(6)} mm, azimuth ${+(one.pose[1] * 180 / Math.PI).toFixed(6)}°, tilt ${+(one.pose[2] * 180 / Math.PI).toFixed(6)}°`,
     Mechanism: one.mechanism, Model: one.model, Theory: one.theories[place], Version: one.versions[place],
-    ...(settings && settings !== "{}" ? {Settings: settings} : {}),
-    Recorded: `${runs.time[run]} UTC, run ${runs.run[run]}`,
+    ...(settings ? {Settings: settings.replace(/[{}"]/g, "")} : {}),
+    "Given by": `${runs.time[run]} UTC, run ${runs.run[run]}`,
     ...Object.fromEntries(ABOUT.slice(1).map((name) => [name[0].toUpperCase() + name.slice(1), runs[name][run]])),
     Command: runs.command[run]}});
 
   chart("history-chart", CONTROLS, () => {
-    const what = value("what"), time = what === "solve" || what === "build";
+    const what = value("what"), time = TIMES.includes(what);
     const even = value("along") === "run";
     const found = chosen().map((one) => ({...one, runs: spread(one.at).map((gap, k) => gap + k),
       versions: spread(one.version), theories: spread(one.theory), options: spread(one.settings)}));
     const along = (run) => even ? run + 1 : runs.time[run];
+    const shown = $("history-what").selectedOptions[0].text;
+    const unit = {change: "ppm", frequency: "Hz", relative: "yardsticks"}[what] ?? "ms";
     const data = [], rows = [];
     let largest = 0;
     for (const one of found) {
       const modes = time ? [0] : value("mode") === "all" ? Object.keys(one.f).map(Number) : [Number(value("mode"))];
       for (const mode of modes) {
         if (!time && !one.f[mode]) continue;
-        const raw = time ? one[what] : spread(one.f[mode]);
+        const yard = (ms, k) => past.yardstick[one.runs[k]] && ms !== null ? +(ms / past.yardstick[one.runs[k]]).toPrecision(3) : null;
+        const raw = what === "relative" ? one.solve.map(yard) : time ? one[what] : spread(one.f[mode]);
         const last = raw.findLast((v) => v !== null);
         const y = what === "change" ? raw.map((v) => v === null ? null : 1e6 * (v / last - 1)) : raw;
         if (what === "change") largest = Math.max(largest, ...y.map(Math.abs));
-        const title = time ? `time to ${what} of ${one.model}, ${one.case}` : `f${mode} of ${one.model}, ${one.case}`;
+        const title = time ? `${shown} of ${one.model}, ${one.case}` : `f${mode} of ${one.model}, ${one.case}`;
         const cells = y.map((v, k) => v === null ? "" : cell(
           what === "change" ? signed(v, 4) : String(v),
-          time ? `${v} ms` : `${raw[k]} Hz`, title, record(one, k, one.runs[k], one.options[k])));
+          time ? `${v} ${unit}` : `${raw[k]} Hz`, title, record(one, k, one.runs[k], one.options[k])));
         data.push({
-          name: time ? `${what} [ms]` : `f<sub>${mode}</sub>`, x: one.runs.map(along), y,
+          name: (time ? shown : `f<sub>${mode}</sub>`) + (found.length > 1 ? ` ${one.variant}` : ""), x: one.runs.map(along), y,
           mode: y.length > 60 ? "lines" : "lines+markers", line: {color: colour(mode || 1), width: 1.4, shape: "hv"},
           marker: {symbol: symbol(mode || 1), size: mode % 2 ? 8 : 6, color: colour(mode || 1)},
           customdata: cells, hovertemplate: "%{x}: %{y}<extra></extra>",
@@ -69,22 +74,23 @@ if (past) {
       if (runs.release[run] !== runs.release[one.runs[k - 1]]) news.push(`rps-bench ${runs.release[run]}`);
       if (news.length) marks.push([along(run), news.join(", ")]);
     });
-    const unit = time ? "[ms]" : what === "change" ? "change [ppm]" : "[Hz]";
     const layout = {
       xaxis: {title: {text: even ? "run" : "time (UTC)"}, type: even ? "linear" : "date"},
-      yaxis: {title: {text: unit}, rangemode: time ? "tozero" : "normal",
+      yaxis: {title: {text: `${shown} [${unit}]`}, rangemode: time ? "tozero" : "normal",
         ...(what === "change" && largest < 1e-6 ? {range: [-1, 1]} : {})},
       shapes: marks.map(([x]) => ({type: "line", x0: x, x1: x, yref: "paper", y0: 0, y1: 1,
         line: {color: css("--muted"), width: 1, dash: "dot"}})),
       annotations: marks.map(([x, text]) => ({x, y: 1, yref: "paper", yanchor: "top", xanchor: "left",
         text, showarrow: false, textangle: 90, font: {size: 11, color: css("--muted")}})),
     };
-    const shown = {change: "Change of each frequency from its newest value", frequency: "Frequency",
-      solve: "Time to solve", build: "Time to build"}[what];
-    const same = what === "change" && found.length && largest === 0 ? " No run differs from the newest." : "";
+    const count = new Set(found.flatMap((one) => one.runs)).size;
+    if (count === 1) layout.xaxis.type = "category";
+    const same = what === "change" && count > 1 && largest === 0 ? " No run differs from the newest." : "";
+    const since = what === "change" ? " from its newest value" : "";
     return {data, layout,
-      caption: `${shown}: ${value("model")}, ${value("case")}, ${found.length ? Math.max(...found.map((one) => one.runs.length)) : 0} runs.${same}`,
-      numbers: () => ({head: ["Run", "What", unit],
+      caption: `${shown[0].toUpperCase()}${shown.slice(1)}${since}: ${value("model")}, ${value("case")}, ` +
+        `${count} ${count === 1 ? "run" : "runs"}.${same}`,
+      numbers: () => ({head: ["Run (UTC)", "What", `[${unit}]`],
         rows: rows.sort((a, b) => b[0] - a[0]).slice(0, 300).map(([run, ...rest]) => [`${runs.time[run]}`, ...rest])}),
     };
   });

@@ -98,6 +98,18 @@ def test_the_command(rps_bench: Callable[..., Any], made: Any, tmp_path: Path) -
     assert file.read_bytes().startswith(b"<!DOCTYPE html>")
 
 
+def test_where_no_file_can_be(rps_bench: Callable[..., Any], made: Any, tmp_path: Path) -> None:
+    options = ("--results", str(made.results), "--history", "none")
+    answer = rps_bench("dashboard", "--output", str(tmp_path), *options)
+    assert answer.status == 2
+    assert f"--output = '{tmp_path}': expected the name of a file" in answer.err
+    (tmp_path / "file").write_text("mine")
+    answer = rps_bench("dashboard", "--output", str(tmp_path / "file" / "page.html"), *options)
+    assert answer.status == 2
+    assert f"--output = '{tmp_path / 'file'}': cannot write there" in answer.err
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["mine"]
+
+
 @pytest.mark.slow
 def test_100_000_rows(made: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """500 runs of 16 models and poses whose every number is new: the worst there is to keep."""
