@@ -17,6 +17,8 @@ CLEAR = 4
 """Neighbours further apart than this many deviations are told apart."""
 REPEATED = 1e-6
 """Relative distance below which neighbours are one repeated mode."""
+SPARE = 4
+"""Further modes of the theory, for what a simulator has in the place of those it misses."""
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -38,7 +40,8 @@ def check_modes(found: Floats, mechanism: Mechanism, poses: Pose, theory: Spec) 
     """Count a simulator's frequencies `found` (N, count) [Hz] against the analytic `theory`.
 
     A gap between two modes of the theory is left out where it is not `CLEAR` of how far the
-    frequencies next to its ends are from these; one without a partner does not excuse itself.
+    frequencies next to its ends are from these, or of what is usual at the pose: a mode without a
+    partner does not excuse itself.
     """
     assert not isinstance(theory.elements, tuple), "only simulators are extrapolated"
     count = found.shape[1]
@@ -48,12 +51,16 @@ def check_modes(found: Floats, mechanism: Mechanism, poses: Pose, theory: Spec) 
         theory.elements,
         beam=theory.name,
         shear=theory.shear,
-        count=count + 1,
+        count=count + 1 + SPARE,
         fast=False,
     )
     away = np.abs(found[:, :, None] - exact[:, None, :])
-    nearest = away.argmin(axis=2)[..., None] == np.arange(count + 1)
-    deviation = np.where(nearest, away, 0.0).max(axis=1)
+    partner = away.argmin(axis=2)
+    nearest = partner[..., None] == np.arange(exact.shape[1])
+    deviation = np.where(nearest, away, 0.0).max(axis=1)[:, : count + 1]
+    usual = np.median(away.min(axis=2) / np.take_along_axis(exact, partner, axis=1), axis=1)
+    exact = exact[:, : count + 1]
+    deviation = np.maximum(deviation, usual[:, None] * exact)
     gap = np.diff(exact)
     counted = gap > CLEAR * np.maximum(deviation[:, 1:], deviation[:, :-1])
     counted &= gap > REPEATED * exact[:, 1:]
