@@ -90,21 +90,25 @@ def _solve(
     with tempfile.TemporaryDirectory() as folder:
         while groups:
             group = groups.pop(0)
-            study = ["table", "--references", ",".join(group), *options, "--history", folder]
-            ended = _run(requirement, ["python", "-P", "-c", _BENCH, *study], folder)
-            said = [line for line in ended.stderr.splitlines() if line.startswith(_OURS)]
-            if ended.returncode and not said:
+            command = ["table", "--references", ",".join(group), *options, "--history", folder]
+            ended = _run(requirement, ["python", "-P", "-c", _BENCH, *command], folder)
+            lines = ended.stderr.splitlines()
+            if ended.returncode and any(line.startswith("error:") for line in lines):
                 raise UnavailableError(f"{requirement}: {_last(ended)}")
-            if ended.returncode == 2 and len(group) > 1:
-                # One of them is refused as a whole here: it must not cost the others.
+            said = [line.removeprefix(_OURS) for line in lines if line.startswith(_OURS)]
+            whole = ended.returncode not in (0, 1) or (ended.returncode == 1 and not said)
+            if whole and len(group) > 1:
+                # One of them is refused, or crashed: it must not cost the others.
                 groups = [[label] for label in group]
                 continue
             for label in group:
-                own = [line for line in said if line.startswith(f"{_OURS}{label} ")]
-                if ended.returncode == 2:
-                    own = said
+                own = (
+                    (said or [_last(ended)])
+                    if whole
+                    else [s for s in said if s.startswith(f"{label} ")]
+                )
                 if own:
-                    reasons[label] = "; ".join(line.removeprefix(_OURS) for line in own)
+                    reasons[label] = "; ".join(own)
                 done(f"{label} with {requirement}")
         rows = open_history(Path(folder)).query(
             "SELECT * FROM rows WHERE list_contains($1, model)", [list(labels)]
