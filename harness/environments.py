@@ -102,11 +102,9 @@ def _solve(
                 groups = [[label] for label in group]
                 continue
             for label in group:
-                own = (
-                    (said or [_last(ended)])
-                    if whole
-                    else [s for s in said if s.startswith(f"{label} ")]
-                )
+                own = [sentence for sentence in said if sentence.startswith(f"{label} ")]
+                if whole:
+                    own = said or [_last(ended)]
                 if own:
                     reasons[label] = "; ".join(own)
                 done(f"{label} with {requirement}")
