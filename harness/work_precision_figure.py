@@ -34,8 +34,9 @@ def precision_figure(result: WorkPrecision) -> Figure:
             axes.set(xscale="log", yscale="log", title=f"{group}, against {against}")
             axes.title.set_fontsize(10)
             axes.grid(alpha=0.25)
-            axes.set_ylim(bottom=LEAST / 2 if kind == OWN else 3e-3)
         strip[0].set_ylabel("largest error [%]")
+        # Last: a limit set earlier would be kept from what is drawn after it.
+        strip[0].set_ylim(bottom=LEAST / 2 if kind == OWN else 3e-3)
     for axes in panels[-1]:
         axes.set_xlabel("time of a pose [ms]")
     handles, labels = panels[0][0].get_legend_handles_labels()

@@ -206,7 +206,7 @@ def verdict(
     unsure, floor = truth.uncertainty(modes), _floor(result, theory, kind, modes)
     best = cheapest([point for point in points if meets(result, point, kind, modes, target)])
     if best is not None:
-        return f"{best.elements}: {milliseconds(best):.3g} ms"
+        return f"{best.elements}: {_time(best)}"
     if floor - unsure > target:
         return f"not reachable: floor {floor:.2g} %"
     closest = min(points, key=lambda point: worst(point.errors(kind), modes))
@@ -237,6 +237,11 @@ def _truths(result: WorkPrecision) -> list[tuple[str, str]]:
     return own + [(SOLID, theory) for theory in solid]
 
 
+def _time(point: Point) -> str:
+    ms = milliseconds(point)
+    return f"{ms:.3g} ms" if ms < 1000 else f"{ms / 1000:.3g} s"
+
+
 def _named(point: Point) -> str:
     method = point.method.removesuffix(f", {BATCH} poses a call")
-    return f"{method}@{point.elements}: {milliseconds(point):.3g} ms"
+    return f"{method}@{point.elements}: {_time(point)}"
