@@ -162,7 +162,7 @@ def measure(checked: Checked) -> Measured:
     """Return what a check compares, out of all that was solved."""
     result = Measured({}, {}, {}, {}, {})
     for study in (checked.cases, checked.workspace):
-        for case in study.cases:
+        for case in study.cases if study.specs else ():
             anchor = ANCHOR.modes(case.mechanism, case.pose, study.count + SPARE)
             for spec in study.specs:
                 modes = study.get(case, spec)
