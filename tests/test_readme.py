@@ -20,6 +20,23 @@ def test_the_table_is_the_accepted_one() -> None:
     assert table in README
 
 
+def sentences(heading: str) -> list[str]:
+    """Return the bullets of README under the line that starts with `heading`, each on one line."""
+    _, _, below = README.partition(f"\n{heading}")
+    block = below.partition("\n\n")[2].partition("\n\n")[0]
+    return [" ".join(bullet.split()) for bullet in re.split(r"^- ", block, flags=re.MULTILINE)[1:]]
+
+
+def test_the_summary_is_what_reproduce_says() -> None:
+    """Word for word: every number in it is computed."""
+    accepted = (ROOT / "results" / "summary.md").read_text().splitlines()
+    for heading, fewest in (("In plain words", 6), ("What a pose costs", 2)):
+        quoted = sentences(heading)
+        assert len(quoted) >= fewest
+        for sentence in quoted:
+            assert f"- {sentence}" in accepted, sentence
+
+
 def test_links_lead_somewhere() -> None:
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", README):
         assert (ROOT / target).exists(), target
