@@ -68,14 +68,14 @@ def precision_sentences(result: WorkPrecision) -> list[str]:
     lines = []
     if result.solid is not None:
         floors = [
-            f"{theory} below {worst(floor, 3):.2g} % on f1-f3 and {worst(floor, 6):.2g} % on f1-f6"
+            f"{theory} {worst(floor, 3):.2g} % on f1-f3 and {worst(floor, 6):.2g} % on f1-f6"
             for theory, floor in result.floors.items()
             if theory in BEAMS
         ]
         lines.append(
             f"Against solids ({result.solid.spec.label}, known to "
-            f"{result.solid.uncertainty(6):.2g} %) no number of elements brings "
-            f"{', '.join(floors)}."
+            f"{result.solid.uncertainty(6):.2g} %) the theories without elements are off by up to: "
+            f"{'; '.join(floors)}. No number of elements removes that."
         )
     for method in ("substructure, euler-bernoulli", "exudyn-cable", "exudyn-beam"):
         points = [point for point in result.points if point.method == method]
