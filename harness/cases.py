@@ -28,11 +28,10 @@ class Case:
 _ANGLES = {"case1": (0.0, 0.0), "case2": (10.0, -12.0)}  # phi, theta [deg], Section 3.3
 
 
-def _fitted() -> Mechanism:
-    """Return the paper's mechanism with r1 = 0.3371 m."""
-    paper = Mechanism.paper()
-    rod = paper.limbs[0].rod
-    return Mechanism.regular(0.3371, 0.2, rod, Platform.disc(0.2, 0.02, rod.material.density))
+def _with_base(radius: float) -> Mechanism:
+    """Return the paper's mechanism with another r1 [m]."""
+    rod = Mechanism.paper().limbs[0].rod
+    return Mechanism.regular(radius, 0.2, rod, Platform.disc(0.2, 0.02, rod.material.density))
 
 
 def _presets() -> dict[str, Case]:
@@ -46,8 +45,10 @@ def _presets() -> dict[str, Case]:
          "z read as 0.49 m; platform inertia m r2^2 about all axes, Eq. 8 as printed"),
         ("-z-fitted", paper, 0.5448, "euler-bernoulli@3", ("cases-disagree",),
          "z = 0.5448 m fitted to Table I, case 1; all else as printed; platform a disc"),
-        ("-z-r1-fitted", _fitted(), 0.53336, "rayleigh@3", ("case1-fit",),
+        ("-z-r1-fitted", _with_base(0.3371), 0.53336, "rayleigh@3", ("case1-fit",),
          "z = 0.53336 m and r1 = 0.3371 m fitted to Table I, case 1, with section rotary inertia"),
+        ("-small-base", _with_base(0.1), 0.5451, "euler-bernoulli@3", ("lean",),
+         "r1 = 0.1 m, so that the limbs lean outwards going up, and z = 0.5451 m fitted to both cases"),
     ]  # fmt: skip
     cases = {}
     for suffix, mechanism, z, model, errata, note in variants:

@@ -82,6 +82,8 @@ def test_errata_numbers(rps_bench: Bench, tmp_path: Path) -> None:
     assert max(rows["case2-z-fitted"]) == pytest.approx(4.2, abs=0.06)
     assert max(map(abs, rows["case1-z-r1-fitted"])) < 0.02
     assert max(map(abs, rows["case2-z-r1-fitted"])) == pytest.approx(5, abs=0.1)
+    outwards = rows["case1-small-base"] + rows["case2-small-base"]
+    assert max(map(abs, outwards)) == pytest.approx(1.0, abs=0.05)  # "to 1.0 %"
     inertia = (100 + rows["case1-printed-inertia"][2]) / (100 + rows["case1"][2])
     assert inertia == pytest.approx(0.88, abs=0.005)  # "f3 by 12 %"
 
