@@ -48,7 +48,7 @@ def _presets() -> dict[str, Case]:
         ("-z-r1-fitted", _with_base(0.3371), 0.53336, "rayleigh@3", ("case1-fit",),
          "z = 0.53336 m and r1 = 0.3371 m fitted to Table I, case 1, with section rotary inertia"),
         ("-small-base", _with_base(0.1), 0.5451, "euler-bernoulli@3", ("lean",),
-         "r1 = 0.1 m, so that the limbs lean outwards going up, and z = 0.5451 m fitted to both cases"),
+         "r1 = 0.1 m, limbs then lean outwards going up; z = 0.5451 m fitted to both cases"),
     ]  # fmt: skip
     cases = {}
     for suffix, mechanism, z, model, errata, note in variants:
