@@ -32,13 +32,15 @@ class Cluster:
             raise self._refused(
                 address, "Dask: install rps-bench[cluster] here and on the workers"
             ) from None
-        client: Any = distributed.Client  # untyped
+        dask: Any = distributed  # untyped
         # Its own log repeats, with a traceback, what becomes one sentence here.
         for name in ("distributed", "distributed.client", "asyncio"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
         self._address, self._patience = address, patience
         try:
-            self._client = client(address, timeout=REACH, set_as_default=False)
+            # First, for a client that cannot read its address is never quite closed.
+            dask.comm.get_address_host_port(address)
+            self._client = dask.Client(address, timeout=REACH, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise self._refused(
