@@ -2,6 +2,8 @@
 
 import click
 
+from analytic import InputError
+from analytic.theory import BEAMS
 from harness.models import parse
 from harness.options import CostRequest, Request
 from harness.terminal import progress, show, status, write
@@ -30,7 +32,7 @@ def precision(
     the model's own theory and once against 3-D solids. Ends with the cheapest way to 1, 0.1 and
     0.01 %.
     """
-    from harness.ways import solid_truth
+    from harness.ways import TRUTHS, solid_truth, theory_of
     from harness.work_precision import STEPS, truths, work_precision
     from harness.work_precision_report import precision_files, precision_tables
 
@@ -40,6 +42,8 @@ def precision(
     chosen, programs, rounds = asked.chosen, timed.programs, timed.rounds
     steps = asked.steps(",".join(map(str, STEPS)))
     solid = solid_truth() if truth is None else parse(truth, "--truth")
+    if solid is not None and theory_of(solid) in BEAMS:
+        raise InputError("--truth", truth, f"a solid model, such as {' or '.join(TRUTHS)}")
     total = len(truths(programs, solid)) * len(chosen) + 1 + rounds
     with progress(total) as done:
         result = work_precision(chosen, steps, programs, solid, rounds, done)
