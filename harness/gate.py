@@ -10,11 +10,9 @@ from analytic.pairing import TRUSTED
 from harness.check_study import MAP, Checked
 from harness.measured import Key, Measured, Place
 from harness.metamorphic import Property
-from harness.ratchet import Baseline
+from harness.ratchet import SHAPE, Baseline
 from harness.timing_watch import Timing
 
-ALIKE = 1e-3
-"""Loss of assurance that is a change of shape: one of 3 % in the shape itself."""
 FAILED, BETTER, NOTED = "failed", "better", "noted"
 """`BETTER` fails as well (a two-way ratchet), but is accepted without a reason."""
 
@@ -75,11 +73,11 @@ def compare(baseline: Baseline, now: Measured) -> list[Finding]:
             )  # fmt: skip
         assert one.likeness is not None, "measured just now"
         like = float(one.likeness[old.partner - 1])
-        if like < old.assurance - ALIKE:
+        if like < old.assurance - SHAPE:
             quantity = f"likeness with mode {old.partner} of the anchor"
             looks = f"looks like mode {one.partner} (assurance {one.assurance:.3f})"
             findings.append(
-                Finding("shape", model, case, mode, quantity, old.assurance, like, ALIKE, FAILED,
+                Finding("shape", model, case, mode, quantity, old.assurance, like, SHAPE, FAILED,
                         "; ".join(filter(None, (looks, cause))))
             )  # fmt: skip
     return findings + _orders(baseline, now, spoiled, causes)

@@ -7,7 +7,7 @@ Accepting takes new values but never a wider tolerance, unless a reason is given
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from analytic import InputError
 from harness.check_study import MAP, Checked
 from harness.equivalents import EQUIVALENTS, noise
 from harness.files import write_all
-from harness.measured import Key, Measured
+from harness.measured import Key, Measured, Shaped
 from harness.run import SPARE
 
 FACTOR = 10
@@ -26,6 +26,8 @@ FLOOR = 1e-12
 """Least noise, relative: a few thousand roundings."""
 NEAR = 0.5
 """Noise above this part of a tolerance is a reason to widen it; less is chance among samples."""
+SHAPE = 1e-3
+"""Change of an assurance that is a change of shape: one of 3 % in the shape itself."""
 ORDER = 0.02
 """Least tolerance of an observed order."""
 
@@ -137,13 +139,24 @@ def accept(
             wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
                                 repr(old), repr(value), reason))  # fmt: skip
         kept[key] = value if widen else min(old, value)
+    # What did not move keeps its value: many small steps must not add up unseen.
+    still = {
+        key: was
+        for key, new in now.modes.items()
+        if (was := before.figures.modes.get(key)) and _same(was, new, before.allowed(key))
+    }
     return Baseline(
-        before.figures.updated(now),
+        before.figures.updated(replace(now, modes=now.modes | still)),
         before.noise | dict(noise),
         kept,
         before.timed_since,
         (*before.reasons, *reasons, *wider),
     )
+
+
+def _same(old: Shaped, new: Shaped, allowed: float) -> bool:
+    alike = new.partner == old.partner and abs(new.assurance - old.assurance) < SHAPE
+    return alike and abs(new.frequency / old.frequency - 1) <= allowed
 
 
 def save(folder: Path, baseline: Baseline) -> list[Path]:

@@ -50,6 +50,14 @@ def test_accepting_takes_values_and_only_tightens() -> None:
     assert noisier.reasons == ()
 
 
+def test_small_steps_do_not_add_up() -> None:
+    """A value within its tolerance stays what it was when it was accepted."""
+    crept = accept(baseline(), figures(100.0 * (1 + 5e-9)), everywhere(1e-9), ABOUT, "")
+    assert crept.figures.modes[KEY].frequency == 100.0
+    moved = accept(baseline(), figures(100.0 * (1 + 5e-8)), everywhere(1e-9), ABOUT, "")
+    assert moved.figures.modes[KEY].frequency == 100.0 * (1 + 5e-8)
+
+
 def test_widening_takes_a_reason_which_stays() -> None:
     wide = accept(baseline(), figures(), everywhere(1e-7), ABOUT, "prints fewer digits")
     assert wide.allowed(KEY) == FACTOR * 1e-7
