@@ -7,8 +7,8 @@ from harness.report.results_table import cells, number
 from harness.report.section import Cell, Section, digits
 from harness.report.sources import Sources, TableFile
 
-COMMAND = "rps-bench precision --output results"
-WANTED = ("Case", "Model", "Elements", "Modes", "ms a pose")
+COMMAND = "rps-bench work-precision --output results"
+WANTED = ("Case", "Model", "Theory", "Elements", "Modes", "ms a pose")
 
 
 def section(sources: Sources, ledger: Ledger) -> Section:
@@ -21,7 +21,7 @@ def section(sources: Sources, ledger: Ledger) -> Section:
     if table is None or None in columns or not errors:
         missing = f"`{COMMAND}` makes this section"
         return Section("work-precision", "Work and precision", missing=missing)
-    case, model, elements, modes, time = (row for row in columns if row is not None)
+    case, model, theory, elements, modes, time = (row for row in columns if row is not None)
     data = []
     for row in table.rows:
         label = row[model] if row[elements] in ("", "-") else f"{row[model]}@{row[elements]}"
@@ -30,10 +30,11 @@ def section(sources: Sources, ledger: Ledger) -> Section:
         own = ledger.add(f"Work and precision of {label}", {
             **about, "File": "results/work-precision.csv", "Command": COMMAND})  # fmt: skip
         values = [digits(_value(row[k]), 5) for k in (time, *errors)]
-        data.append([row[case], row[model], row[elements], row[modes], own, *values])
+        data.append([row[case], row[model], row[theory], row[elements], row[modes], own, *values])
     context = {
         "cases": list(dict.fromkeys(row[0] for row in data)),
-        "modes": list(dict.fromkeys(row[3] for row in data)),
+        "theories": list(dict.fromkeys(row[2] for row in data)),
+        "modes": list(dict.fromkeys(row[4] for row in data)),
         "errors": [(str(k), table.columns[column]) for k, column in enumerate(errors)],
         "tables": [
             (one, cells(one.rows, _maker(one, ledger.table(stem, COMMAND))))

@@ -82,7 +82,7 @@ def test_a_page_of_almost_nothing(made: Any, tmp_path: Path) -> None:
     (tmp_path / "budget.csv").write_text("Case,s\n1,2,3\n")
     sources = read_sources(tmp_path, None)
     text = page(sources).decode()
-    for command in ("rps-bench budget", "rps-bench precision", "rps-bench workspace",
+    for command in ("rps-bench budget", "rps-bench work-precision", "rps-bench workspace",
                     "rps-bench table", "rps-bench reproduce"):  # fmt: skip
         assert re.search(f"Nothing here yet: [^.]*<code>{command}", text), command
     assert {name for name, _ in sources.skipped} == {"check.json", "budget.csv"}
