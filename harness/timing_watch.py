@@ -17,9 +17,9 @@ from harness.check_study import YARDSTICK
 from harness.store import History
 
 SHORT = 5
-WINDOWS = {SHORT: 1.9, 20: 1.2}
+WINDOWS = {SHORT: 1.95, 20: 1.4}
 """Runs looked at together, and the mean score above which they are a change. In normal noise that
-is 4.2 and 5.4 standard deviations of such a mean; docs/gate.md has the simulated alarm rates."""
+is 4.4 and 6.3 standard deviations of such a mean; docs/gate.md has the simulated alarm rates."""
 LEAST = 15
 """Runs before a window that it takes to know the noise."""
 MOST = 100
@@ -27,6 +27,7 @@ MOST = 100
 LONGEST = 300
 """Runs of a series that are looked at."""
 CLIP = 2.5
+"""Standard deviations that one run counts at most."""
 QUIET = 0.03
 """Noise is taken as 3 % at least: smaller changes of seconds are of no interest."""
 
