@@ -14,6 +14,7 @@ from harness.cases import Case
 from harness.compare import case_notes, failure_notes, pairing_notes
 from harness.figures import COLOURS, MARKERS
 from harness.models import Spec, parse
+from harness.refinement import Seen, ladder, verified
 from harness.run import Study, run
 from harness.tables import Cell, Number, Table
 from harness.ways import theory_of
@@ -36,8 +37,8 @@ class Budget:
     Attributes: `study` behind it; `theory`, whatever its elements; `reference`; `elements` s;
     `parts`, their names in order; `shares` by case name, shape (len(elements), len(parts), count)
     [percentage points of the reference's frequency], whose sum over the parts is the error;
-    `uncertainty` by case name and simulator on the way, the reference last, shape (count,) [%], NaN
-    where not estimated.
+    `uncertainty`, the GCI by case name and simulator on the way, the reference last, shape (count,)
+    [%], NaN where it has no three meshes.
     """
 
     study: Study
@@ -66,6 +67,20 @@ def between(reference: Spec) -> list[Spec]:
     return [parse(AVERAGED, "reference")]
 
 
+def meshes(reference: Spec) -> list[Spec]:
+    """Return the three meshes that the GCI of NAME@COARSE+FINE is read from; else none."""
+    extrapolated = isinstance(reference.elements, tuple) and reference.elements[0] > 1
+    return ladder(reference, None) if extrapolated else []
+
+
+def models(theory: Spec, elements: Sequence[int], reference: Spec) -> list[Spec]:
+    """Return all that `budget` solves."""
+    simulators = [*between(reference), reference]
+    refined = [mesh for spec in simulators for mesh in meshes(spec)]
+    coarse = [replace(theory, elements=s) for s in elements]
+    return list(dict.fromkeys([*simulators, *exact_chain(theory), *coarse, *refined]))
+
+
 def budget(
     cases: Sequence[Case],
     theory: Spec,
@@ -81,43 +96,71 @@ def budget(
     reference. Every mode is followed by its shape.
     """
     chain, solids = exact_chain(theory), between(reference)
-    meshes = [replace(theory, elements=s) for s in elements]
-    study = run(cases, [reference, *solids, *chain, *meshes], count, done)
+    discrete = [replace(theory, elements=s) for s in elements]
+    study = run(cases, models(theory, elements, reference), count, done)
     effects = [EFFECTS[a.name, b.name] for a, b in pairwise(chain)]
     last = ["three-dimensional effects", "rigid end faces"]
     if not solids:
         last = [f"{BEAMS[chain[-1].name]} to reference"]
     parts = ("number of elements", *effects, *last)
     shares, uncertainty, notes = {}, {}, []
+    simulators = [*solids, reference]
+    seen = {spec.label: verified(study, meshes(spec)) for spec in simulators if meshes(spec)}
     for case in cases:
         if any(study.get(case, spec) is None for spec in (reference, *solids)):
             continue
-        table = np.empty((len(meshes), len(parts), count))
-        for k, mesh in enumerate(meshes):
+        table = np.empty((len(discrete), len(parts), count))
+        for k, mesh in enumerate(discrete):
             start = study.modes[case.name, mesh.label].first(count)
             values = [start.frequencies]
-            own: dict[str, Array] = {}
-            for spec in (*chain, *solids, reference):
+            for spec in (*chain, *simulators):
                 modes = study.modes[case.name, spec.label]
                 partner = pair(start, modes, case.mechanism, case.pose).partner
                 values.append(modes.frequencies[partner])
-                if modes.uncertainty is not None:
-                    own[spec.label] = 100 * modes.uncertainty[partner] / values[-1]
             table[k] = -100 * np.diff(np.array(values), axis=0) / values[-1]
             pairing = study.pairing(case, mesh, reference)
             assert pairing is not None, "both have an answer"
             notes += pairing_notes(case, mesh, reference, pairing, range(count))
         shares[case.name] = table
-        own.setdefault(reference.label, np.full(count, np.nan))
-        uncertainty[case.name] = own
+        uncertainty[case.name] = {}
+        for spec in simulators:
+            own, remarks = _gci(study, case, discrete[-1], spec, seen.get(spec.label, {}))
+            uncertainty[case.name][spec.label] = own
+            notes += remarks
+    for spec in simulators:
+        if meshes(spec):
+            numbers = ", ".join(str(mesh.elements) for mesh in meshes(spec))
+            notes.append(f"GCI of {spec.label}: grid convergence index from {numbers} elements")
     notes += failure_notes(study)
     return Budget(
         study, theory, reference, tuple(elements), parts, shares, uncertainty, tuple(notes)
     )
 
 
+def _gci(
+    study: Study, case: Case, theory: Spec, spec: Spec, seen: dict[tuple[str, int], Seen]
+) -> tuple[Array, list[str]]:
+    """Return the GCI [%] of each mode of `theory` as `spec` has it, and what warns of it."""
+    own = np.full(study.count, np.nan)
+    remarks: dict[str, list[str]] = {}
+    finest = meshes(spec)[-1:]
+    pairing = study.pairing(case, theory, finest[0]) if finest else None
+    partners = [] if pairing is None else pairing.partner.tolist()
+    for i, partner in enumerate(partners):
+        if (case.name, partner) in seen:
+            values, found = seen[case.name, partner]
+            own[i] = 100 * found.gci / values[-1]
+            if found.remark:
+                remarks.setdefault(found.remark, []).append(f"f{i + 1}")
+    notes = [
+        f"{case.name}: GCI of {spec.label}: {', '.join(names)} {remark}"
+        for remark, names in remarks.items()
+    ]
+    return own, notes
+
+
 def budget_table(result: Budget, shown: Sequence[int]) -> Table:
-    """Return the parts, their sum and the reference's own uncertainty, in percentage points."""
+    """Return the parts, their sum and the reference's own GCI, in percentage points."""
     rows: list[tuple[Cell, ...]] = []
     for case in result.study.cases:
         if case.name not in result.shares:
@@ -132,7 +175,7 @@ def budget_table(result: Budget, shown: Sequence[int]) -> Table:
         for label, own in result.uncertainty[case.name].items():
             cells = ["not known" if np.isnan(own[i - 1]) else Number(own[i - 1], 3) for i in shown]
             whose = "reference's" if label == result.reference.label else f"{label}'s"
-            rows.append((case.name, "", f"{whose} own, +-", *cells))
+            rows.append((case.name, "", f"{whose} own GCI, +-", *cells))
     title = f"Error of {result.theory.name}@s against {result.reference.label}, by cause [points]"
     notes = (*result.notes, *case_notes(result.study.cases))
     if "rigid end faces" in result.parts:
@@ -141,7 +184,7 @@ def budget_table(result: Budget, shown: Sequence[int]) -> Table:
 
 
 def budget_figure(result: Budget, shown: Sequence[int]) -> Figure:
-    """Return stacked bars, one a mode and s; a panel a case. The line is the reference's own."""
+    """Return stacked bars, one a mode and s; a panel a case. The line is the reference's GCI."""
     cases = [case for case in result.study.cases if case.name in result.shares]
     figure = Figure(figsize=(6.4 * len(cases), 4.2), layout="constrained")
     panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
@@ -169,7 +212,7 @@ def budget_figure(result: Budget, shown: Sequence[int]) -> Figure:
     panels[0].legend(fontsize=8, loc="upper left")
     figure.suptitle(
         f"{result.theory.name}@s against {result.reference.label}; on each bar: s; "
-        "beside it: the reference's own uncertainty", fontsize=10,
+        "beside it: the reference's own GCI", fontsize=10,
     )  # fmt: skip
     return figure
 

@@ -157,7 +157,7 @@ def budget(request: Request) -> int:
 
     cases, shown, reference = request.chosen, request.shown, request.against(STAND_IN)[0]
     theory, steps, folder = request.theory(cases[0].model), request.steps("1-4"), request.folder
-    with progress(len(cases) * (4 + len(steps))) as done:
+    with progress(len(cases) * len(parts.models(theory, steps, reference))) as done:
         result = parts.budget(cases, theory, steps, reference, max(shown), done)
     table = parts.budget_table(result, shown)
     show(table)

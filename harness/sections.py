@@ -30,6 +30,7 @@ from harness.shapes import assurance_figure, shapes_figure
 from harness.ways import solid_truth
 
 LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
+BUDGET_STEPS = (1, 2, 3, 4)
 ROUNDS = 3
 """How often what is timed is timed."""
 COST_STEPS = (1, 2, 4, 8, 16, 32, 64)
@@ -109,7 +110,7 @@ def budgets(plan: Plan, done: Done) -> Part:
     files: dict[str, bytes] = {}
     results = []
     for ending, reference in _against(plan).items():
-        result = parts.budget(plan.cases, plan.theory, (1, 2, 3, 4), reference, plan.count, done)
+        result = parts.budget(plan.cases, plan.theory, BUDGET_STEPS, reference, plan.count, done)
         files |= parts.budget_table(result, plan.shown).files(f"budget{ending}")
         if result.shares:
             files |= figure_files(parts.budget_figure(result, plan.shown), f"budget{ending}")
@@ -216,7 +217,7 @@ SECTIONS = (
             lambda p: len(p.cases) * sum(map(len, _ladders(p))), refined),
     Section("budget", "Error budget", "rps-bench budget",
             lambda p: sum(
-                len(p.cases) * (5 + len(parts.exact_chain(p.theory)) + len(parts.between(spec)))
+                len(p.cases) * len(parts.models(p.theory, BUDGET_STEPS, spec))
                 for spec in _against(p).values()
             ), budgets),
     Section("slenderness", "Slenderness", "rps-bench slenderness",

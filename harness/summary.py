@@ -181,8 +181,10 @@ def causes_of(result: Budget) -> list[str]:
         f"{_span(shares[:, p, 3:6], signed=True)} on f4-f6"
         for p, part in enumerate(result.parts)
     )
-    label = replace(result.theory, elements=PAPER_ELEMENTS).label
-    return [f"{label} against {result.reference.label}, by cause: {parts}."]
+    label, against = replace(result.theory, elements=PAPER_ELEMENTS).label, result.reference.label
+    own = np.array([bands[against] for bands in result.uncertainty.values()])
+    known = "not known" if np.isnan(own).any() else _at_most(float(own.max()))
+    return [f"{label} against {against}, by cause: {parts}. The reference's own GCI: {known}."]
 
 
 def slender(result: Slenderness) -> list[str]:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from analytic import Continuum, Substructure
+from analytic.pairing import pair
 from harness.budget import budget
 from harness.cases import PRESETS
 from harness.models import Spec
+from harness.refinement import ladder, refine
 
 REFERENCE = Spec("exudyn-beam", (12, 24))
 
@@ -36,6 +38,38 @@ def test_effects_have_their_sign_and_size() -> None:
     assert (inertia > 0.25).all() and (shear > 1).all() and (elements > 0).all()
     assert (elements < 0.1).all() and (np.abs(rest) < 0.005).all()
     assert (np.abs(rest) < result.uncertainty["case1"][REFERENCE.label]).all()
+
+
+def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
+    """As `rps-bench refine` has it, whose modes are in the reference's own order."""
+    case = PRESETS["case2"]
+    result = budget([case], Spec("euler-bernoulli", 3), [3], REFERENCE, 6)
+    steps = ladder(REFERENCE, None)
+    assert [spec.elements for spec in steps] == [6, 12, 24]
+    found = refine([case], [steps], 6).found
+    model = Substructure(3).modes(case.mechanism, case.pose)
+    partner = pair(model, steps[-1].build().modes(case.mechanism, case.pose, 8),
+                   case.mechanism, case.pose).partner  # fmt: skip
+    for i, own in enumerate(result.uncertainty["case2"][REFERENCE.label]):
+        values, seen = found["case2", REFERENCE.name, int(partner[i])]
+        assert own == pytest.approx(100 * seen.gci / values[-1], rel=1e-6)
+        # In the asymptotic range: 1.25 times the observed step to the limit, not the step itself.
+        assert own == pytest.approx(125 * abs(seen.limit / values[-1] - 1), rel=1e-6)
+
+
+def test_a_warning_of_the_meshes_is_a_note() -> None:
+    """MuJoCo's chain converges faster in f4 than its order says; a single mesh has no band."""
+    chain = Spec("mujoco-chain", (12, 24))
+    case = PRESETS["case1"]
+    result = budget([case], Spec("euler-bernoulli", 3), [3], chain, 6)
+    seen = refine([case], [ladder(chain, None)], 6).found
+    warned = [found.remark for _, found in seen.values() if found.remark]
+    said = [note for note in result.notes if note.startswith("case1: GCI of mujoco-chain@12+24")]
+    assert warned and len(said) == len(set(warned))
+    assert all(any(remark in note for note in said) for remark in warned)
+    for single in (Spec("exudyn-cable", 4), Spec("timoshenko", None)):
+        own = budget([case], Spec("euler-bernoulli", 3), [3], single, 6).uncertainty["case1"]
+        assert np.isnan(own[single.label]).all()
 
 
 @pytest.mark.slow
