@@ -44,19 +44,17 @@ def _record(claim: dict[str, str], ledger: Ledger) -> int:
 
 
 def table_rows(table: TableFile, ledger: Ledger) -> list[Row]:
-    """Return Table I; each number with the models behind it."""
-    group: dict[str, tuple[str, str]] = {}
-    seen: tuple[str, str] = ("", "")
-    records: dict[int, int | None] = {}
-    for number_of_row, (case, method, *_) in enumerate(table.rows):
+    """Return Table I; each number with the models behind it: those named last above it."""
+    fea = theory = ""
+    records = {}
+    for row in table.rows:
+        case, method = row[:2]
         label = re.search(r"\((.*@.*)\)", method)
-        if case not in group:
-            group[case] = ("", "")
         if label and method.startswith("FEA"):
-            seen = (label[1], "")
+            fea = label[1]
         elif label and method.startswith("Theoretical"):
-            seen = (seen[0], label[1])
-        records[number_of_row] = _behind(case, method, *seen, ledger)
+            theory = label[1]
+        records[row] = _behind(case, method, fea, theory, ledger)
 
     def make(row: Sequence[str], k: int) -> str | Cell:
         if k < 2:
@@ -66,8 +64,7 @@ def table_rows(table: TableFile, ledger: Ledger) -> list[Row]:
         if row[1].startswith("printed"):
             form = ".2f"
         what = f"{table.columns[k].split()[0]}: {row[1]}, {row[0]}"
-        record = records[table.rows.index(tuple(row))]
-        return number(row[k], form, "%" if percent else "Hz", what, record)
+        return number(row[k], form, "%" if percent else "Hz", what, records[tuple(row)])
 
     return cells(table.rows, make)
 

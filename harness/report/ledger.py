@@ -38,9 +38,9 @@ class Ledger:
             self.records.append({"title": title, "fields": known, "parts": used})
         return self._places[key]
 
-    def table(self, stem: str, command: str, note: str = "", parts: Sequence[int] = ()) -> int:
+    def table(self, stem: str, command: str) -> int:
         """Return the record of a table in the results folder."""
-        return self.add(f"results/{stem}.csv", {"What": note, "Command": command}, parts)
+        return self.add(f"results/{stem}.csv", {"Command": command})
 
     def model(self, case: str, label: str) -> int | None:
         """Return the record of a model in the accepted run at `case`, or None: not in it."""

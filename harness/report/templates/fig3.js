@@ -13,7 +13,7 @@ chart("fig3-chart", ["fig3-case", "fig3-theory", "fig3-reference", "fig3-mode", 
   const errors = theories[theory].errors[reference];
   const point = (i, k) => cell(signed(errors[k][i - 1], 4), `${signed(errors[k][i - 1], 7)} %`,
     `e${i}: ${theory}@${fig3.elements[k]} against ${reference}, ${name}`,
-    {title: "", fields: {"Made as": "100 (theory / reference − 1), each mode paired by its shape",
+    {fields: {"Made as": "100 (theory / reference − 1), each mode paired by its shape",
       Command: `rps-bench convergence --cases ${name} --model ${theory} --references ${reference} --elements ${fig3.elements[k]}`},
     parts: [theories[theory].records[k], known.record]});
   const data = shown.map((i) => ({

@@ -26,7 +26,7 @@ if (past) {
   for (const id of CONTROLS) $(id).addEventListener("input", refill);
   refill();
 
-  const record = (one, place, run, settings) => ({title: "", parts: [], fields: {
+  const record = (one, place, run, settings) => ({parts: [], fields: {
     Case: one.case, Pose: `z = ${+(1000 * one.pose[0]).toFixed(6)} mm, azimuth ${+(one.pose[1] * 180 / Math.PI).toFixed(6)}°, tilt ${+(one.pose[2] * 180 / Math.PI).toFixed(6)}°`,
     Mechanism: one.mechanism, Model: one.model, Theory: one.theories[place], Version: one.versions[place],
     ...(settings ? {Settings: settings.replace(/[{}"]/g, "")} : {}),

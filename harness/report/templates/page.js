@@ -7,9 +7,8 @@ const ledger = read("ledger");
 const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "hexagon"];
 const colour = (mode) => css(`--m${(mode - 1) % 6 + 1}`);
 const symbol = (mode) => SYMBOLS[(mode - 1) % 6];
-const CONFIG = {displayModeBar: false, responsive: true, displaylogo: false, topojsonURL: ""};
+const CONFIG = {displayModeBar: false, responsive: true, displaylogo: false};
 const webgl = !!document.createElement("canvas").getContext("webgl");
-const sum = (list) => list.reduce((a, b) => a + b, 0);
 const range = (from, to) => Array.from({length: Math.max(0, to - from + 1)}, (_, k) => from + k);
 const signed = (value, digits) => (value > 0 ? "+" : "") + value.toFixed(digits);
 
@@ -28,8 +27,7 @@ function ask({full, what, record}) {
   $("record-value").textContent = full;
   const body = $("record-body");
   body.replaceChildren();
-  const describe = (number, heading) => {
-    const {title, fields, parts} = ledger[number];
+  const describe = ({title, fields, parts}, heading) => {
     if (heading) body.append(element("h3", title));
     const list = element("dl", "", {class: "fields"});
     for (const [name, text] of Object.entries(fields)) {
@@ -38,13 +36,11 @@ function ask({full, what, record}) {
       list.append(element("dt", name), value);
     }
     body.append(list);
-    for (const part of parts) describe(part, true);
+    for (const part of parts) if (part !== null) describe(ledger[part], true);
   };
-  if (typeof record === "object") { // made here, from what the page holds
-    ledger.push(record);
-    describe(ledger.length - 1, false);
-    ledger.pop();
-  } else describe(record, ledger[record].title !== what);
+  // A record of its own where the page made the number; else one of the ledger's.
+  if (typeof record === "object") describe(record, false);
+  else describe(ledger[record], ledger[record].title !== what);
   $("record").showModal();
 }
 

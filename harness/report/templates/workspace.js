@@ -54,7 +54,7 @@ if (workspace) {
       show === "frequency" ? v.toFixed(3) : signed(v, 4),
       show === "frequency" ? `${f} Hz` : `${signed(v, 6)} ${unit} (${f} Hz)`,
       `${what} at azimuth ${+pose[1].toFixed(2)}°, tilt ${+pose[2].toFixed(2)}°`,
-      than ? {title: "", fields: {"Made as": "100 (f / f of the other − 1), mode by mode in order"},
+      than ? {fields: {"Made as": "100 (f / f of the other − 1), mode by mode in order"},
         parts: [model.record, than.record]} : model.record));
     const extent = Math.max(1e-9, ...points.map((one) => Math.abs(one.v)));
     const scale = show === "frequency" ? {colorscale: "Viridis"}
