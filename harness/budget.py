@@ -103,7 +103,9 @@ def budget(
     if not solids:
         last = [f"{BEAMS[chain[-1].name]} to reference"]
     parts = ("number of elements", *effects, *last)
-    shares, uncertainty, notes = {}, {}, []
+    shares: dict[str, Array] = {}
+    uncertainty: dict[str, dict[str, Array]] = {}
+    notes: list[str] = []
     simulators = [*solids, reference]
     seen = {spec.label: verified(study, meshes(spec)) for spec in simulators if meshes(spec)}
     for case in cases:

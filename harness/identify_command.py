@@ -81,6 +81,7 @@ def identify(
     from harness.identify_parameters import INERTIAS
     from harness.identify_problem import Problem
     from harness.identify_report import CANDIDATES, MODELS, files, tables
+    from harness.identify_summary import sentences
     from harness.models import parse_analytic
     from harness.terminal import progress, show, write
 
@@ -112,6 +113,8 @@ def identify(
             table, chosen, specs, of_readings, most=most, frames=mirrored, seed=seeded, done=done
         )
     show(*tables(results, ranked).values())
+    for line in sentences(results, ranked):
+        click.echo(f"- {line}")
     write(target, files(results, ranked) if target is not None else {})
     return 0
 

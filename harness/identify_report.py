@@ -58,7 +58,7 @@ def readings_table(ranked: Sequence[Reading]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for count, frames, some in _grouped(ranked):
         rows += [
-            (count, frames, rank, _theory(r.problem), _values(r),
+            (count, frames, rank, _theory(r.problem), values_text(r),
              Number(100 * r.rms, 2), Number(100 * r.worst, 2), _criterion(r))
             for rank, r in enumerate(some[:SHOWN], start=1)
         ]  # fmt: skip
@@ -90,27 +90,34 @@ def simplest(ranked: Sequence[Reading]) -> Reading:
 
 def _reading_notes(ranked: Sequence[Reading]) -> list[str]:
     table, best = ranked[0].problem.table, simplest(ranked)
-    closest = min(ranked, key=lambda r: r.worst)
-    rounding = float((table.step / table.frequencies).max()) / 2
-    met = closest.worst <= rounding
     return [
         f"of {table.source}; what is not named is as in {', '.join(c.name for c in table.cases)}",
         f"{len(ranked)} readings: every choice of so many candidates, under every model; rms over "
         "different values: a repeated mode counts once; *: at a bound",
         f"AICc: Akaike's criterion for few values; differences below {ALIKE} mean nothing. Fewest "
-        f"parameters among the best: {model_label(best.problem)}, {_values(best)}",
-        "the closest reading meets every value to its last digit"
-        if met
-        else f"no reading meets all values: the closest is {100 * closest.worst:.2f} % off "
-        f"somewhere, where rounding explains {100 * rounding:.3f} %",
+        f"parameters among the best: {model_label(best.problem)}, {values_text(best)}",
+        closest_note(ranked),
     ]
+
+
+def closest_note(ranked: Sequence[Reading]) -> str:
+    """Return in words how near the closest reading comes to all values."""
+    table, closest = ranked[0].problem.table, min(ranked, key=lambda r: r.worst)
+    rounding = float((table.step / table.frequencies).max()) / 2
+    if closest.worst <= rounding:
+        return "the closest meets every value to its last digit"
+    return (
+        f"none meets all {table.frequencies.size} values: the closest is "
+        f"{100 * closest.worst:.2f} % off somewhere, where rounding explains {100 * rounding:.3f} %"
+    )
 
 
 def _criterion(reading: Reading) -> Cell:
     return Number(reading.criterion, 1) if np.isfinite(reading.criterion) else "too few values"
 
 
-def _values(reading: Reading) -> str:
+def values_text(reading: Reading) -> str:
+    """Return what a reading's parameters are fitted to; *: at a bound."""
     pairs = zip(reading.problem.names, reading.values, strict=True)
     text = ", ".join(f"{n} {v:.4g}{'*' if n in reading.held else ''}" for n, v in pairs)
     return text or "nothing"

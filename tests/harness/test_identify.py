@@ -1,5 +1,6 @@
 """Planted parameters come back within their intervals; Table I says what is known of it."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from harness.identify import fit, identify, readings
 from harness.identify_directions import directions, quantities, sensitivities
 from harness.identify_problem import Problem
 from harness.identify_report import simplest
+from harness.identify_summary import sentences
 from harness.identify_table import FrequencyTable, published_table, read_table
 from harness.models import parse_analytic
 
@@ -210,6 +212,33 @@ def test_readings_of_table_1():
     assert best(2, False).values[1] < 150  # a base half as wide as the platform
     assert simplest(ranked).problem.names == ("z_mm",)
     assert simplest(ranked).problem.inertia == "disc"
+
+
+@pytest.mark.slow
+def test_sentences_say_what_was_computed():
+    """Table I leaves open which way the limbs came to lean; a planted table does not."""
+    both = [Problem(published_table(), SPEC, NAMES, mirrored=slip) for slip in (False, True)]
+    results = [identify(problem, starts=4) for problem in both]
+    ranked = readings(both[0].table, ("z_mm", "base_radius_mm"), [SPEC], {}, most=1)
+    pinned, none, best, lean = sentences(results, ranked)
+    z, r1, *_ = results[1].fits.values[0] / 1e3
+    value, low, high = (float(x) for x in re.findall(r"0\.\d{4}", pinned)[:3])
+    assert value == pytest.approx(0.1 / (z**2 + (r1 - 0.2) ** 2), abs=1e-4)
+    assert low < value < high < 1.02 * low
+    assert pinned.endswith(f"make it {0.1 / (0.49**2 + 0.1**2):.4f} 1/m.")
+    worst = 100 * min(r.worst for r in ranked)
+    assert f"none meets all 12 values: the closest is {worst:.2f} % off" in none
+    assert best.startswith("The best reading with one free parameter is euler-bernoulli@3, mirror")
+    assert "with frames as stated it is euler-bernoulli@3, z_mm 544.6" in best
+    assert "limbs that lean outwards" in lean and "does not tell the two apart" in lean
+
+    problem, _, _ = planted(0.0, 1)
+    found = [
+        identify(replace(problem, mirrored=slip), noise=1e-6, starts=4) for slip in (False, True)
+    ]
+    lean = sentences(found, [])[-1]
+    assert "is 270 mm (270 to 270)" in lean and "limbs that lean inwards" in lean
+    assert "The table prefers stated frames" in lean
 
 
 def test_twins_count_once_and_a_case_may_have_its_own_height():
