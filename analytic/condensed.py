@@ -43,6 +43,7 @@ def condensed_frequencies(
     beam: str = "euler-bernoulli",
     shear: str | float = "cowper",
     count: int = 6,
+    torsion: bool = True,
     fast: bool | None = None,
 ) -> NDArray[np.float64]:
     """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).
@@ -50,6 +51,7 @@ def condensed_frequencies(
     Those of `Substructure(elements, beam, shear)`, or of `Continuum(beam, shear)` where `elements`
     is None, to 1e-9. Every pose is checked by the Wittrick-Williams count of the exact limbs; one
     that fails is solved by certified bisection. Memory does not grow with the number of poses.
+    `torsion`: with the limbs' own modes of torsion, which are coupled to nothing.
     `fast`: use the compiled loop (numba, the extra `fast`), which takes seconds to load and then
     half the time a pose; by default where it is installed and the poses are enough to repay that.
     Raises `InputError` for a pose out of reach, more modes than the model has, or `fast` without
@@ -58,7 +60,7 @@ def condensed_frequencies(
     theory = Theory(beam, shear)
     available = 10_000
     if elements is not None:
-        available = 6 + len(mechanism.limbs) * (6 * whole("elements", elements) - 2)
+        available = 6 + len(mechanism.limbs) * ((5 + torsion) * whole("elements", elements) - 2)
     count = check_count(count, available)
     known = constants(mechanism, theory)
     size = int(np.prod(poses.shape))
@@ -70,7 +72,9 @@ def condensed_frequencies(
             rows = slice(first, first + CHUNK)
             some = Pose(*(np.ravel(x)[rows] for x in (poses.z, poses.azimuth, poses.tilt)))
         lengths, vectors = geometry(known, mechanism, some)
-        result[first : first + CHUNK] = lowest(known, lengths, vectors, elements, count, loop)
+        result[first : first + CHUNK] = lowest(
+            known, lengths, vectors, elements, count, loop, torsion=torsion
+        )
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
 
 
@@ -93,8 +97,9 @@ def lowest(
     loop: Loop | None = None,
     span: Floats | None = None,
     levels: int = LEVELS,
+    torsion: bool = True,
 ) -> Floats:
-    """Return the lowest omega^2 (N, count) of few poses, torsion of the limbs among them.
+    """Return the lowest omega^2 (N, count) of few poses, `torsion` of the limbs among them or not.
 
     `lengths` (N, n) and `vectors` (N, 3 n, 6) as of `geometry`; tables hold over `span`, by default
     over `lengths`. After so many `levels` of tables certified bisection takes over.
@@ -118,11 +123,13 @@ def lowest(
     for i in left:
         one = Characteristic(known.rods, lengths[i], vectors[i].reshape(n, 3, 6), elements)
         values[i] = one.coupled(coupled).mean(axis=1)
-    torsion = torsion_eigenvalues(known.rods, lengths, 1, elements)[..., 0]
-    if coupled == count and torsion.min() > values.max():
+    if not torsion:
         return values
-    torsion = torsion_eigenvalues(known.rods, lengths, count, elements).reshape(len(lengths), -1)
-    return np.sort(np.concatenate([values, torsion], axis=1), axis=1)[:, :count]
+    twist = torsion_eigenvalues(known.rods, lengths, 1, elements)[..., 0]
+    if coupled == count and twist.min() > values.max():
+        return values
+    twist = torsion_eigenvalues(known.rods, lengths, count, elements).reshape(len(lengths), -1)
+    return np.sort(np.concatenate([values, twist], axis=1), axis=1)[:, :count]
 
 
 def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:

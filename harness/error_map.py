@@ -8,15 +8,12 @@ import numpy as np
 import polars as pl
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Pose
-from analytic.pairing import pair
-from harness.engine import Engine, run
+from analytic import Pose
 from harness.frames import write_frames
-from harness.jobs import Failure, built
+from harness.jobs import analytic_frequencies, info_of
 from harness.journal import Journal
 from harness.mode_check import ModeCheck, check_modes
 from harness.models import Spec
-from harness.pose_sets import written
 from harness.sweep import Sweep, answers
 from harness.tables import Cell, Number, Table
 
@@ -43,10 +40,12 @@ class Errors:
     Modes are paired by order: a sweep keeps no shapes. Sorted lists differ least when paired by
     order, so where modes cross between the models an error here may be too small, by no more than
     the gap of the modes that cross; `ShapeCheck` tells where that matters.
+    Without `torsion`, which one of the two does not have, modes are numbered without it.
     """
 
     spec: Spec
     modes: NDArray[np.int64]
+    torsion: bool = True
     poses: int = 0
     total: Floats = field(init=False)
     squares: Floats = field(init=False)
@@ -55,7 +54,6 @@ class Errors:
     counted: NDArray[np.int64] = field(init=False)
     miscounted: NDArray[np.int64] = field(init=False)
     wrong: list[int] = field(default_factory=list)
-    twist: int = 0
 
     def __post_init__(self) -> None:
         self.total, self.squares, self.worst = np.zeros((3, len(self.modes)))
@@ -78,51 +76,34 @@ class Errors:
         self.counted += check.counted.sum(axis=0)[self.modes - 1]
         self.miscounted += check.wrong.sum(axis=0)[self.modes - 1]
         self.wrong += numbers[check.wrong.any(axis=1)].tolist()
-        self.twist += int(check.twist.sum())
-
-
-@dataclass(frozen=True)
-class ShapeCheck:
-    """Two models at one pose again, shapes and all, to pair their modes by shape."""
-
-    mechanism: Mechanism
-    pose: Pose
-    spec: Spec
-    against: Spec
-    count: int
-
-    @property
-    def safe(self) -> bool:
-        """Whether it can neither crash nor hang."""
-        return self.spec.analytic and self.against.analytic
-
-    def solve(self) -> tuple[Floats, Floats]:
-        """Return errors [%] by shape and the pairs' assurance, each (count,)."""
-        first = built(self.spec).modes(self.mechanism, self.pose, self.count)
-        second = built(self.against).modes(self.mechanism, self.pose, self.count + 2)
-        pairs = pair(first, second, self.mechanism, self.pose)
-        reference = second.frequencies[pairs.partner]
-        return 100 * (first.frequencies / reference - 1), pairs.assurance
 
 
 def compare(
     sweep: Sweep, journal: Journal, against: Spec, modes: list[int], folder: Path, suffix: str
 ) -> list[Errors]:
-    """Write the error of every other model at every pose; return what was gathered of them."""
-    gathered = [Errors(spec, np.array(modes)) for spec in sweep.specs if spec != against]
+    """Write the error of every other model at every pose; return what was gathered of them.
+
+    Where a simulator has no torsion of limbs, the theory is taken without it.
+    """
+    gathered = [
+        Errors(spec, np.array(modes), _twists(spec) and _twists(against))
+        for spec in sweep.specs
+        if spec != against
+    ]
 
     def frames() -> Iterator[pl.DataFrame]:
         for errors in gathered:
             for start, stop in sweep.blocks():
-                ours, assumed = _block(sweep, journal, errors.spec, start, stop)
-                theirs, theory = _block(sweep, journal, against, start, stop)
+                ours, assumed = _block(sweep, journal, errors.spec, start, stop, errors.torsion)
+                theirs, theory = _block(sweep, journal, against, start, stop, errors.torsion)
                 here = np.flatnonzero(~np.isnan(ours[:, 0] + theirs[:, 0]))
                 if not len(here):
                     continue
                 numbers, shown = start + here + 1, errors.modes - 1
                 if against.analytic and not errors.spec.analytic and assumed == theory:
                     poses = sweep.poses[start + here]
-                    errors.count(numbers, check_modes(ours[here], sweep.mechanism, poses, against))
+                    check = check_modes(ours[here], sweep.mechanism, poses, against, errors.torsion)
+                    errors.count(numbers, check)
                 error = 100 * (ours[here] / theirs[here] - 1)[:, shown]
                 errors.add(numbers, error)
                 yield _frame(errors, against, start + here, sweep.poses, error)
@@ -131,13 +112,20 @@ def compare(
     return gathered
 
 
+def _twists(spec: Spec) -> bool:
+    return spec.analytic or info_of(spec).torsion
+
+
 def _block(
-    sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int
+    sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int, torsion: bool
 ) -> tuple[Floats, set[str]]:
     """Return frequencies (stop - start, count), NaN where a job is not finished; the theory."""
     values, theory = np.full((stop - start, sweep.count), np.nan), set()
     for job, answer in answers(sweep, journal, spec, start, stop):
-        values[job.start - start :][: len(job.poses)] = answer.frequencies
+        found = answer.frequencies
+        if spec.analytic and not torsion:
+            found = analytic_frequencies(job, torsion=False)
+        values[job.start - start :][: len(job.poses)] = found
         theory.add(answer.theory)
     return values, theory
 
@@ -184,13 +172,10 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
         "Williams' count; for simulators of the same theory, where the gap is clear of the error",
     ]
     for errors in gathered:
+        notes += _torsion_note(errors, against)
         if errors.counted.any():
             named = ", ".join(map(str, errors.wrong[:NAMED]))
             more = f": {named}{' ...' if len(errors.wrong) > NAMED else ''}" if named else ""
-            if errors.twist:
-                more += (
-                    f"; at {errors.twist} of them torsion of limbs, and nothing else, is missing"
-                )
             notes.append(
                 f"{errors.spec.label}: poses with a wrong mode count: "
                 f"{len(errors.wrong)} of {errors.poses}{more}"
@@ -198,35 +183,17 @@ def error_table(gathered: list[Errors], against: Spec) -> Table:
     return Table(f"Error against {against.label}", columns, tuple(rows), tuple(notes))
 
 
-def worst_table(
-    sweep: Sweep, gathered: list[Errors], against: Spec, engine: Engine, command: str
-) -> Table:
-    """The worst pose of each mode, its error paired by shape, and how to see it again."""
-    checks = [
-        ShapeCheck(sweep.mechanism, sweep.poses[n - 1], errors.spec, against, sweep.count)
-        for errors in gathered
-        for n in np.unique(errors.where[errors.where > 0]).tolist()
+def _torsion_note(errors: Errors, against: Spec) -> list[str]:
+    """Say which modes were compared, where one of the two has no torsion of limbs."""
+    both = errors.spec, against
+    lacking = " and ".join(spec.label for spec in both if not _twists(spec))
+    twisting = [spec for spec in both if _twists(spec)]
+    if not lacking:
+        return []
+    if all(spec.analytic for spec in twisting):
+        with_it = "".join(f"; {spec.label} is taken without it" for spec in twisting)
+        return [f"torsion of limbs, coupled to nothing, is not in {lacking}{with_it}"]
+    return [
+        f"torsion of limbs is not in {lacking}, but in {twisting[0].label}: modes paired by order "
+        "are not the same ones where it is among the lowest"
     ]
-    by_shape = {(task.spec, task.pose): result for task, result in run(engine, checks)}
-    rows: list[tuple[Cell, ...]] = []
-    for errors in gathered:
-        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
-            n = int(errors.where[k])
-            pose = sweep.poses[n - 1]
-            result = by_shape[errors.spec, pose]
-            pairs: tuple[Cell, ...] = ("-", "-")
-            if not isinstance(result, Failure):
-                pairs = (Number(result[0][mode - 1], 6, True), Number(result[1][mode - 1]))
-            at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
-            error = Number(float(errors.worst[k]), 6, True)
-            where = (Number(float(value)) for value in at)
-            rows.append((errors.spec.label, f"f{mode}", error, *pairs, n, *where))
-    labels = ",".join(errors.spec.label for errors in gathered)
-    notes = tuple(
-        f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
-        f"--against {against.label}{command}"
-        for n in sorted({n for errors in gathered for n in errors.where.tolist() if n})
-    )
-    columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
-               "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
-    return Table(f"Worst poses against {against.label}", columns, tuple(rows), notes)

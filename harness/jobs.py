@@ -15,7 +15,7 @@ from analytic.condensed import CHUNK
 from analytic.theory import Theory
 from harness.models import MADE_FROM, SOLID_LIMB, Model, Spec
 from reference_models import ModelError
-from reference_models.protocol import find
+from reference_models.protocol import Info, find
 
 BATCH = 10 * CHUNK
 """Poses a job of an analytic model: a fraction of a second's work. A simulator's job is one."""
@@ -128,9 +128,15 @@ def jobs(
 def version_of(spec: Spec) -> str:
     """Return the versions of what computes `spec` here."""
     if not spec.analytic:
-        info = find(MADE_FROM if spec.name == SOLID_LIMB else spec.name).info()
+        info = info_of(spec)
         return f"{info.program} {info.version}"
     return f"rps-bench {__version__}, numpy {np.__version__}"
+
+
+@lru_cache(maxsize=64)
+def info_of(spec: Spec) -> Info:
+    """Return what is known of a model that is not analytic."""
+    return find(MADE_FROM if spec.name == SOLID_LIMB else spec.name).info()
 
 
 @lru_cache(maxsize=64)
@@ -139,22 +145,30 @@ def built(spec: Spec) -> Model:
     return spec.build()
 
 
-def _batch(job: Job) -> Answer:
+def analytic_frequencies(job: Job, torsion: bool = True) -> NDArray[np.float64]:
+    """Return what an analytic job finds, (n, count) [Hz], with or without torsion of limbs."""
     spec = job.spec
     assert not isinstance(spec.elements, tuple), "only simulators are extrapolated"
-    began = perf_counter()
     # Never compiled: a process would load the loop for longer than a block of poses takes.
-    theory = Theory(spec.name, spec.shear)
-    found = condensed_frequencies(
+    return condensed_frequencies(
         job.mechanism,
         job.poses,
         spec.elements,
         beam=spec.name,
         shear=spec.shear,
         count=job.count,
+        torsion=torsion,
         fast=False,
     )
+
+
+def _batch(job: Job) -> Answer:
+    spec = job.spec
+    began = perf_counter()
+    found = analytic_frequencies(job)
     seconds = perf_counter() - began
+    assert not isinstance(spec.elements, tuple)
+    theory = Theory(spec.name, spec.shear)
     names = sorted({theory.label(limb.rod.material) for limb in job.mechanism.limbs})
     limbs = len(job.mechanism.limbs)
     dofs = 0 if spec.elements is None else 6 + limbs * (6 * spec.elements - 2)

@@ -117,7 +117,8 @@ def sweep(
         written = [rows.result()]
         tables = {"timing": timing_table(study, journal)}
         if reference is not None:
-            from harness.error_map import compare, error_table, worst_table
+            from harness.error_map import compare, error_table
+            from harness.worst_poses import worst_table
 
             gathered = compare(study, journal, reference, shown, folder, form)
             written.append(folder / f"errors.{form}")

@@ -1,6 +1,6 @@
 """Exudyn's absolute nodal coordinate cable as the limbs of the mechanism."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -41,7 +41,7 @@ class ExudynCable:
     def info(cls) -> Info:
         """Return what the model is; never raises."""
         remark = "the element has no torsion: the limbs' torsion modes are absent"
-        return describe(THEORY, 4, (8, 16), remark)
+        return replace(describe(THEORY, 4, (8, 16), remark), torsion=False)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""

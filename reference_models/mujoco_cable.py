@@ -44,6 +44,7 @@ class MujocoCable:
             rods.REFINEMENTS,
             remark=rods.REMARK,
             missing=mujoco_system.missing(),
+            torsion=rods.TORSION,
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:

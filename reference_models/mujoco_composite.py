@@ -10,6 +10,7 @@ from reference_models.mujoco_rig import Limb, Rods, text
 
 THEORY = "inextensible Rayleigh"
 ORDER = 1
+TORSION = True
 REFINEMENTS = (16, 32)  # first order: eight segments are far from the limit
 REMARK = "this cable is inextensible and converges with the first order of the elements only"
 

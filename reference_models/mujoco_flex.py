@@ -11,6 +11,7 @@ from reference_models.mujoco_rig import Limb, Rods, inertial, text
 
 THEORY = "Euler-Bernoulli"
 ORDER = 2
+TORSION = False
 REFINEMENTS = (8, 16)
 REMARK = "discrete elastic rod with lumped masses; the limbs' torsion modes are absent"
 

@@ -25,7 +25,9 @@ class Info:
     Attributes: `theory` of its rods, in words; `program` and `version` it runs on; formal `order`
     of convergence of its frequencies in the elements; `refinements`: the two numbers of elements
     to extrapolate from when none is asked for; a `remark` its users must know; `missing`: why it
-    cannot run here and what to do about it, empty if it can.
+    cannot run here and what to do about it, empty if it can; `torsion`: whether its rods twist.
+    Torsion of a limb between a revolute and a spherical joint is coupled to nothing: a model whose
+    rods do not twist lacks these modes and has all others.
     """
 
     theory: str
@@ -35,6 +37,7 @@ class Info:
     refinements: tuple[int, int] = (8, 16)
     remark: str = ""
     missing: str = ""
+    torsion: bool = True
 
 
 @runtime_checkable

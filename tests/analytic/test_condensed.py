@@ -57,10 +57,29 @@ def test_more_modes_torsion_among_them(robot, workspace_poses, elements, beam):
     check(robot, workspace_poses(3, 22), elements, beam, count=18)
 
 
+@pytest.mark.parametrize("elements", [2, None])
+def test_without_torsion_all_other_modes_are_left(robot, elements):
+    """Those of the one-pose models whose centre lines move; some of six twist at 200 mm."""
+    poses = Pose(np.array([0.2, 0.21, 0.5]), 0.3, 0.1)
+    found = condensed_frequencies(robot, poses, elements, torsion=False)
+    for i, pose in enumerate(poses):
+        modes = (Continuum() if elements is None else Substructure(2)).modes(robot, pose, 10)
+        moves = np.abs(modes.limbs).max(axis=(1, 2, 3))
+        expected = modes.frequencies[moves > 1e-6 * moves.max()][:6]
+        assert (len(np.intersect1d(expected, modes.frequencies[:6])) < 6) == (pose.z < 0.3)
+        np.testing.assert_allclose(found[i], expected, rtol=1e-9)
+
+
 def test_all_modes_of_one_element(robot, workspace_poses):
     check(robot, workspace_poses(3, 23), 1, count=18)
     with pytest.raises(InputError, match="count"):
         condensed_frequencies(robot, Pose(0.5), 1, count=19)
+    every = condensed_frequencies(robot, Pose(0.5), 1, count=18)
+    without = condensed_frequencies(robot, Pose(0.5), 1, count=15, torsion=False)
+    left = np.abs(every[:, None] / without - 1).min(axis=1) > 1e-9
+    assert left.sum() == 3 and np.ptp(every[left]) < 1e-6  # equal limbs twist alike
+    with pytest.raises(InputError, match="count"):
+        condensed_frequencies(robot, Pose(0.5), 1, count=16, torsion=False)
 
 
 @pytest.mark.slow

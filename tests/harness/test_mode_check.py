@@ -61,7 +61,7 @@ def test_repeated_modes_are_not_told_apart(robot: Mechanism) -> None:
     assert check.counted.tolist() == [[False, True, True, True, False, True]] * 20
 
 
-def test_rods_that_cannot_twist_are_told_from_other_mistakes(robot: Mechanism) -> None:
+def test_rods_that_cannot_twist_are_counted_without_torsion(robot: Mechanism) -> None:
     """Short limbs twist at a lower frequency than they bend: below the sixth mode at 200 mm."""
     short = pose_set("random:40:3:z=190..210,tilt=5", robot)
     exact = condensed_frequencies(robot, short, beam="timoshenko", count=12)
@@ -69,7 +69,8 @@ def test_rods_that_cannot_twist_are_told_from_other_mistakes(robot: Mechanism) -
     is_twist = (np.abs(exact[:, :, None] / twist[:, None, :] - 1) < 1e-9).any(axis=2)
     assert is_twist[:, :6].any(axis=1).all()
     rigid = np.stack([row[~own][:6] for row, own in zip(exact, is_twist, strict=True)])
-    check = check_modes(1.0001 * rigid, robot, short, THEORY)
-    assert check.wrong.any(axis=1).all() and check.twist.all()
-    worse = check_modes(np.delete(rigid, 1, axis=1), robot, short, THEORY)
-    assert worse.wrong.any(axis=1).all() and not worse.twist.any()
+    assert check_modes(1.0001 * rigid, robot, short, THEORY).wrong.any(axis=1).all()
+    check = check_modes(1.0001 * rigid, robot, short, THEORY, torsion=False)
+    assert check.counted.mean() > 0.5 and not check.wrong.any()
+    worse = check_modes(np.delete(rigid, 1, axis=1), robot, short, THEORY, torsion=False)
+    assert worse.wrong.any(axis=1).all()

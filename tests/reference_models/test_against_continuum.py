@@ -5,8 +5,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from analytic import Continuum, Mechanism, Pose
-from reference_models import reference
+from analytic import Continuum, Mechanism, Pose, limbs_at
+from reference_models import UnavailableError, reference
+from reference_models.protocol import find
 
 PoseSet = Callable[[int, int], Pose]
 
@@ -28,3 +29,34 @@ def test_timoshenko_is_the_limit_of_the_beam(robot: Mechanism, workspace_poses: 
     for pose in workspace_poses(50, 42):
         found, limit = (model.modes(robot, pose).frequencies for model in (beam, exact))
         np.testing.assert_allclose(found, limit, rtol=3e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "elements"),
+    [
+        ("exudyn-cable", 8),
+        ("exudyn-beam", 12),
+        ("exudyn-ffrf", 1),
+        ("mujoco-cable", 16),
+        ("mujoco-chain", 16),
+        ("calculix-solid", 2),
+        ("ngsolve-solid", 1),
+        ("ngsolve-averaged", 1),
+    ],
+)
+def test_limbs_twist_where_the_model_says_so(robot: Mechanism, name: str, elements: int) -> None:
+    """The two longest limbs twist at sqrt(G / rho) / 4 L, below other modes, or not at all."""
+    pose = Pose(0.22, 5.8, 0.19)
+    try:
+        modes = reference(name, elements).modes(robot, pose, 9)
+    except UnavailableError as reason:
+        pytest.skip(str(reason))
+    rod = robot.limbs[0].rod.material
+    twist = np.sqrt(rod.shear / rod.density) / 4 / np.sort(limbs_at(robot, pose).lengths)[:0:-1]
+    amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))
+    still = modes.frequencies[amplitude < 1e-3 * amplitude.max()]
+    if find(name).info().torsion:
+        np.testing.assert_allclose(still[:2], twist, rtol=0.02)
+    else:
+        assert not still.size

@@ -1,0 +1,137 @@
+"""`rps-bench sweep`: rows, what is computed again, failures, and journals that are damaged."""
+
+import re
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from analytic import Continuum, Mechanism, Substructure
+from harness.jobs import BATCH
+from harness.pose_sets import pose_set
+
+
+def test_rows_hold_what_the_models_say(
+    assert_complete: Callable[[Path, int, int], pl.DataFrame],
+    rps_bench: Callable[..., Any],
+    tmp_path: Path,
+    robot: Mechanism,
+) -> None:
+    """A row a pose, model and mode, in order, with the frequencies of the one-pose models."""
+    models = "timoshenko@exact,euler-bernoulli@3"
+    given = ("--poses", "random:40:2", "--models", models, "--against", "timoshenko@exact")
+    answer = rps_bench("sweep", *given, "--modes", "2-4", "--output", str(tmp_path))
+    assert answer.status == 0, answer.err
+    rows = assert_complete(tmp_path, 2 * 40, 3)
+    poses = pose_set("random:40:2", robot)
+    assert rows["pose"].to_list() == 2 * [i for i in range(1, 41) for _ in range(3)]
+    assert rows["mode"].to_list() == 80 * [2, 3, 4]
+    np.testing.assert_array_equal(rows["tilt_rad"].to_numpy()[: 3 * 40 : 3], poses.tilt)
+    found = rows["frequency_hz"].to_numpy().reshape(2, 40, 3)
+    models_alone = (Continuum("timoshenko"), Substructure(3))
+    for k, model in enumerate(models_alone):
+        for i in (0, 17, 39):
+            alone = model.modes(robot, poses[i], 4).frequencies[1:]
+            np.testing.assert_allclose(found[k, i], alone, rtol=1e-9)
+
+    errors = pl.read_parquet(tmp_path / "errors.parquet")
+    expected = 100 * (found[1] / found[0] - 1)
+    np.testing.assert_array_equal(errors["error_percent"].to_numpy(), expected.ravel())
+    table = pl.read_csv(tmp_path / "errors.csv")
+    for column, values in (
+        ("Largest (%)", np.abs(expected).max(axis=0)),
+        ("rms (%)", np.sqrt((expected**2).mean(axis=0))),
+        ("Mean (%)", expected.mean(axis=0)),
+    ):
+        np.testing.assert_allclose(table[column].to_numpy(), values, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_the_same_again_computes_nothing_and_more_only_what_is_missing(
+    assert_complete: Callable[[Path, int, int], pl.DataFrame],
+    rps_bench: Callable[..., Any],
+    tmp_path: Path,
+    log: Path,
+    plugin: None,
+) -> None:
+    given = ("sweep", "--models", "trial@1", "--output", str(tmp_path / "out"))
+    assert rps_bench(*given, "--poses", "random:20:1").status == 0
+    first = (tmp_path / "out" / "frequencies.parquet").read_bytes()
+    dry = rps_bench(*given, "--poses", "random:25:1", "--dry-run")
+    assert re.search(r"trial@1\s+25\s+20\s+5\s", dry.out)
+    log.unlink()
+    assert rps_bench(*given, "--poses", "random:20:1").status == 0
+    assert not log.exists()
+    assert (tmp_path / "out" / "frequencies.parquet").read_bytes() == first
+    assert rps_bench(*given, "--poses", "random:25:1").status == 0
+    assert log.read_text().count("\n") == 5
+    assert_complete(tmp_path / "out", 25, 6)
+
+
+@pytest.mark.slow
+def test_failures_are_listed_by_reason_with_status_1(
+    rps_bench: Callable[..., Any], tmp_path: Path, plugin: None
+) -> None:
+    poses = tmp_path / "poses.csv"
+    poses.write_text("z_mm,azimuth_deg,tilt_deg\n400,0,1\n410,0,-1\n420,0,1\n430,0,-1\n")
+    given = ("--poses", str(poses), "--models", "trial@1,trial@5", "--output", str(tmp_path))
+    answer = rps_bench("sweep", *given, "--against", "euler-bernoulli@exact", "--modes", "1-2")
+    assert answer.status == 1
+    table = pl.read_csv(tmp_path / "failures.csv")
+    assert table.rows() == [("trial@5", 2, "2, 4", "trial: will not")]
+    assert "trial: will not" in answer.out
+    rows = pl.read_parquet(tmp_path / "frequencies.parquet")
+    assert rows.filter(model="trial@5")["pose"].unique().to_list() == [1, 3]
+    assert rows["model"].value_counts().sort("model")["count"].to_list() == [8, 8, 4]
+
+
+def test_a_dry_run_leaves_nothing_behind(rps_bench: Callable[..., Any], tmp_path: Path) -> None:
+    output = tmp_path / "out"
+    given = ("--poses", f"random:{BATCH + 1}", "--models", "rayleigh@2", "--dry-run")
+    answer = rps_bench("sweep", *given, "--output", str(output))
+    assert answer.status == 0
+    assert re.search(r"rayleigh@2\s+2\s+0\s+2\s+[\d.]+\s+[\d.e-]+ s", answer.out)
+    assert not output.exists()
+
+
+def test_a_damaged_journal_is_one_sentence(rps_bench: Callable[..., Any], tmp_path: Path) -> None:
+    given = ("sweep", "--poses", "random:9", "--models", "rayleigh@1", "--output", str(tmp_path))
+    assert rps_bench(*given).status == 0
+    journal = tmp_path / "journal.sqlite"
+    whole = journal.read_bytes()
+    at = whole.index(b"Rayleigh")
+    damages = (b"not a journal" * 1000, whole[:at] + b"rayleigH" + whole[at + 8 :], whole[:5000])
+    for content in damages:
+        journal.write_bytes(content)
+        answer = rps_bench(*given)
+        assert answer.status == 2
+        assert "journal.sqlite is damaged" in answer.err
+        assert len(answer.err.splitlines()) == 1
+        assert journal.read_bytes() == content
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow_with_the_poses(
+    started: Callable[..., subprocess.Popen[str]],
+    ended: Callable[..., tuple[int, str, str]],
+    tmp_path: Path,
+) -> None:
+    """The poses themselves are held, 24 bytes each, and copied once; rows and answers are not."""
+    peak = (
+        "import atexit, resource; "
+        "atexit.register(lambda: print('peak', "
+        "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss))"
+    )
+    used = []
+    for count in (60_000, 160_000):
+        output = str(tmp_path / str(count))
+        given = ("--poses", f"random:{count}", "--models", "euler-bernoulli@exact")
+        status, out, err = ended(started(*given, "--output", output, before=peak))
+        assert status == 0, err
+        used.append(1024 * int(out.split()[-1]))
+    rows = 6 * 100_000 * (8 * 5 + 8)  # what the additional rows alone would take
+    assert used[1] - used[0] < 24e6 < rows
