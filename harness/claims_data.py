@@ -27,6 +27,7 @@ class Rules:
     rounding: float
     agrees_percent: float
     significant_percent: float
+    clearly_faster: float
     exact: float
 
 

@@ -134,11 +134,13 @@ class Times:
 
 @dataclass(frozen=True)
 class FeaTimes:
-    """Seconds of one pose in each round (n,): the paper's way, and the stand-in for ANSYS."""
+    """Seconds of one pose in each round (n,): the paper's way, and finite elements by label.
+
+    The stand-in for ANSYS comes first; solids take so much longer that they are timed once.
+    """
 
     own: Floats
-    fea: Floats
-    label: str
+    fea: Mapping[str, Floats]
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from harness.models import PAPER_ELEMENTS, Spec, parse
 from harness.options import STAND_IN
 from harness.run import run
 from harness.slenderness import with_rods
+from harness.ways import solid_truth
 from harness.workspace_checks import ripple, rises, turned
 from harness.workspace_map import Grid, Region, workspace_map
 from reference_models import UnavailableError
@@ -59,7 +60,7 @@ def gather(groups: Iterable[str], done: Done = lambda _: None) -> tuple[Facts, d
         "slender": lambda: slender(cases),
         "equations": lambda: equations(cases),
         "times": times,
-        "fea_times": fea_times,
+        "fea_times": lambda: fea_times(cases[0]),
         "maps": lambda: maps(cases[0]),
     }
     found: dict[str, Any] = {}
@@ -206,12 +207,18 @@ def times() -> Times:
     )
 
 
-def fea_times() -> FeaTimes:
-    """Return times of one pose by the paper's way and by the stand-in, measured in turns."""
+def fea_times(case: Case) -> FeaTimes:
+    """Return times of one pose by the paper's way and by the stand-in, in turns, and by a solid."""
     cost = measure([PAPER_ELEMENTS], [STAND_IN], [1], ROUNDS)
     if cost.stand_in is None:
         raise UnmeasuredError("; ".join(cost.failures.values()))
-    return FeaTimes(_timed(cost)["substructure, dense"], cost.stand_in.seconds, cost.stand_in.model)
+    fea = {cost.stand_in.model: cost.stand_in.seconds}
+    solid = solid_truth()
+    if solid is not None:
+        modes = run([case], [solid], MODES).get(case, solid)
+        if modes is not None:
+            fea[solid.label] = np.array([modes.build_seconds + modes.solve_seconds])
+    return FeaTimes(_timed(cost)["substructure, dense"], fea)
 
 
 def _timed(cost: Cost) -> dict[str, Floats]:

@@ -14,8 +14,8 @@ from analytic import Material, Mechanism, Platform, Rod
 from harness.cases import PRESETS
 from harness.claims import judge
 from harness.claims_checks import CHECKS
-from harness.claims_data import CANNOT, HOLDS, Claim, Finding, claims, rules
-from harness.claims_facts import CASES, PAPER, Facts, Reference
+from harness.claims_data import CANNOT, FAILS, HOLDS, Claim, Finding, claims, rules
+from harness.claims_facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
 from harness.claims_measure import beams, gather
 
 RESULTS = Path(__file__).parents[3] / "results"
@@ -93,6 +93,39 @@ def test_causes_add_up_to_the_error(facts: Facts) -> None:
     one_element = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
     found = finding(replace(facts, beams=one_element), "error-case1-f4-s3")
     assert "mostly number of elements" in found.verdict
+
+
+@pytest.mark.parametrize("ratio", [0.93, 1.03, 1.19])
+def test_a_busy_machine_does_not_move_the_verdict_on_multipliers(
+    facts: Facts, ratio: float
+) -> None:
+    """The null-space way at ratios it was measured at: one verdict, in the same words."""
+    for saddle in (0.6, 0.7):
+        own = 0.005 * np.array([0.9, 1.0, 1.3])
+        planted = replace(facts, times=Times(own, own / ratio, own / saddle))
+        assert finding(planted, "faster-without-multipliers").verdict == (
+            "holds only if the rival keeps its multipliers as unknowns: against one that solves "
+            "its constraints by their null space it is not clearly faster (0.8 times or less)"
+        )
+    slow = replace(facts, times=Times(own, own / ratio, own / 0.9))
+    assert finding(slow, "faster-without-multipliers").kind == FAILS
+
+
+def test_no_chance_agreement_of_seconds_is_a_verdict(facts: Facts) -> None:
+    """Not even the printed times themselves, of a machine and finite elements that nobody knows."""
+    for fea, times in ((6.16, "8"), (5.0, "6"), (82.0, "100")):
+        planted = FeaTimes(np.full(3, 0.82), {"planted": np.full(3, fea)})
+        here = replace(facts, fea_times=planted)
+        assert finding(here, "time-theoretical").kind == finding(here, "time-fea").kind == CANNOT
+        assert finding(here, "time-saved").verdict == (
+            "holds only if the finite elements take 7.5 times as long as the theory: planted takes "
+            f"about {times} times"
+        )
+    slower = replace(facts, fea_times=FeaTimes(np.full(3, 0.82), {"planted": np.full(3, 0.8)}))
+    for name in ("time-theoretical", "time-fea", "time-saved"):
+        assert finding(slower, name).verdict == (
+            "fails: no finite elements here take longer than the theory"
+        )
 
 
 def test_the_accepted_results_are_these(expected: dict[str, str]) -> None:
