@@ -92,8 +92,8 @@ def _lean(results: Sequence[Identification]) -> list[str]:
         verdict = f"The table prefers {'mirrored' if better > 0 else 'stated'} frames"
     rms = [f"{100 * np.sqrt(value / count):.2f}" for value in sums]
     return [
-        f"With frames as stated the base's radius is {words[0]} at {100 * LEVEL:.0f} %, where "
-        f"{given:.0f} mm is given and the platform has {radius:.0f} mm: limbs that lean {lean}; "
-        f"with mirrored frames, a slip and no mechanism, it is {words[1]}. {verdict} (rms {rms[0]} "
-        f"and {rms[1]} %)."
+        f"Fitted to {table.source}: with frames as stated, the base's radius is {words[0]} at "
+        f"{100 * LEVEL:.0f} %, where {given:.0f} mm is given and the platform has {radius:.0f} mm: "
+        f"limbs that lean {lean}; with mirrored frames, a slip and no mechanism, it is {words[1]}. "
+        f"{verdict} (rms {rms[0]} and {rms[1]} %)."
     ]
