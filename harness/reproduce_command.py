@@ -47,4 +47,7 @@ def reproduce(request: Request, only: str | None) -> int:
             for line in part.sentences:
                 click.echo(f"  - {line}")
     click.echo(f"{written} files in {folder}/; start with {folder / SUMMARY}")
-    return max(status(failures), finish(request.history, *studies))
+    # Sections share models: what a study says failed is said once, by `finish`.
+    said = {key for study in studies for key in study.failures}
+    ended = status({key: why for key, why in failures.items() if key not in said})
+    return max(ended, finish(request.history, *studies))

@@ -22,6 +22,11 @@ class Number:
 
 
 Cell = str | int | Number
+LONGEST = 40
+"""Characters of a cell that LaTeX still sets in one line."""
+PARAGRAPHS = 0.8
+"""Part of LaTeX's line that all longer columns share."""
+BEGIN = r"\begin{tabular}"
 
 
 @dataclass(frozen=True)
@@ -58,9 +63,24 @@ class Table:
         return f"{body}\n{notes}" if notes else body
 
     def latex(self) -> str:
-        """Return a booktabs tabular; title and notes are comments above it."""
+        """Return a booktabs tabular; title and notes are comments above it.
+
+        Columns of text with a cell longer than `LONGEST` are paragraphs that share the line.
+        """
         comments = "".join(f"% {line}\n" for line in (self.title, *self.notes))
-        return f"{comments}{self._tabulated('latex_booktabs')}\n"
+        numeric = self._numeric()
+        long = [
+            not numeric[k] and any(len(str(row[k])) > LONGEST for row in self.rows)
+            for k in range(len(self.columns))
+        ]
+        width = f"p{{{PARAGRAPHS / max(1, sum(long)):.2f}\\linewidth}}"
+        columns = "".join(
+            width if wide else "r" if flush_right else "l"
+            for wide, flush_right in zip(long, numeric, strict=True)
+        )
+        begin, _, body = self._tabulated("latex_booktabs").partition("\n")
+        assert begin.startswith(BEGIN), "tabulate sets the columns in its first line"
+        return f"{comments}{BEGIN}{{{columns}}}\n{body}\n"
 
     def csv(self) -> str:
         """Return the cells with every digit they have; no title or notes."""

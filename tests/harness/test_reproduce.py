@@ -11,6 +11,7 @@ import pytest
 from harness.cases import PRESETS
 from harness.models import Spec
 from harness.reproduce import Part, Plan, Section, chosen, page, reproduce
+from harness.run import Study
 from harness.sections import SECTIONS
 from reference_models import ModelError, UnavailableError
 from reference_models.exudyn_cable import ExudynCable
@@ -65,6 +66,25 @@ def test_only_names_a_section(rps_bench: Callable[..., Any]) -> None:
     answer = rps_bench("reproduce", "--only", "table9")
     assert answer.status == 2
     assert "--only = 'table9': expected some of table1" in answer.err
+
+
+def test_a_failure_is_said_once(
+    rps_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One section tells of it by its study, the next, which times the same model, by itself."""
+    key, why = ("case1", "exudyn-cable@4"), "exudyn-cable: no solution"
+    study = Study((PRESETS["case1"],), (), 6, {}, {key: why})
+    parts = [
+        Part({}, [], studies=(study,)),
+        Part({}, [], failures={key: why, ("case1", "b"): "b: none"}),
+    ]
+    made = [
+        section(name, lambda *_, part=part: part) for name, part in zip("ab", parts, strict=True)
+    ]
+    monkeypatch.setattr("harness.sections.SECTIONS", made)
+    answer = rps_bench("reproduce", "--output", str(tmp_path))
+    assert answer.status == 1
+    assert answer.err.count(why) == answer.err.count("b: none") == 1
 
 
 @pytest.mark.slow

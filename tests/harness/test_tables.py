@@ -23,5 +23,14 @@ def test_latex_escapes() -> None:
     assert text.startswith("% Title\n% from here\n\\begin{tabular}")
 
 
+def test_latex_breaks_long_text() -> None:
+    """Columns of long text share the line; numbers and short text stay as they are."""
+    rows = (("case1", Number(1.0), "x" * 41, "y" * 40, "z" * 90),)
+    text = Table("Title", ("Case", "f1", "Long", "Short", "Longer"), rows).latex()
+    assert text.splitlines()[1] == r"\begin{tabular}{lrp{0.40\linewidth}lp{0.40\linewidth}}"
+    assert text.splitlines()[2] == r"\toprule" and text.endswith("\\end{tabular}\n")
+    assert r"\begin{tabular}{lrl}" in TABLE.latex()
+
+
 def test_files_are_all_forms() -> None:
     assert sorted(TABLE.files("t")) == ["t.csv", "t.md", "t.tex"]
