@@ -195,5 +195,5 @@ def _torsion_note(errors: Errors, against: Spec) -> list[str]:
         return [f"torsion of limbs, coupled to nothing, is not in {lacking}{with_it}"]
     return [
         f"torsion of limbs is not in {lacking}, but in {twisting[0].label}: modes paired by order "
-        "are not the same ones where it is among the lowest"
+        "need not be the same ones where it is among the lowest"
     ]
