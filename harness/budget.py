@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from analytic import InputError
 from analytic.pairing import pair
 from analytic.theory import BEAMS
 from harness.cases import Case
@@ -68,9 +69,19 @@ def between(reference: Spec) -> list[Spec]:
 
 
 def meshes(reference: Spec) -> list[Spec]:
-    """Return the three meshes that the GCI of NAME@COARSE+FINE is read from; else none."""
-    extrapolated = isinstance(reference.elements, tuple) and reference.elements[0] > 1
-    return ladder(reference, None) if extrapolated else []
+    """Return the three meshes that the GCI of NAME@COARSE+FINE is read from; else none.
+
+    None either where half of COARSE is fewer elements than the model can have.
+    """
+    if not isinstance(reference.elements, tuple):
+        return []
+    found = ladder(reference, None)
+    try:
+        for mesh in found:
+            mesh.build()
+    except InputError:
+        return []
+    return found
 
 
 def models(theory: Spec, elements: Sequence[int], reference: Spec) -> list[Spec]:

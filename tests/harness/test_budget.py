@@ -67,7 +67,8 @@ def test_a_warning_of_the_meshes_is_a_note() -> None:
     said = [note for note in result.notes if note.startswith("case1: GCI of mujoco-chain@12+24")]
     assert warned and len(said) == len(set(warned))
     assert all(any(remark in note for note in said) for remark in warned)
-    for single in (Spec("exudyn-cable", 4), Spec("timoshenko", None)):
+    # One mesh, none, and two of which the coarser cannot be halved.
+    for single in (Spec("exudyn-cable", 4), Spec("timoshenko", None), Spec("mujoco-chain", (2, 4))):
         own = budget([case], Spec("euler-bernoulli", 3), [3], single, 6).uncertainty["case1"]
         assert np.isnan(own[single.label]).all()
 
