@@ -38,7 +38,7 @@ def test_timoshenko_is_the_limit_of_the_beam(robot: Mechanism, workspace_poses: 
         ("exudyn-cable", 8),
         ("exudyn-beam", 12),
         ("exudyn-ffrf", 1),
-        ("mujoco-cable", 16),
+        ("mujoco-cable", 32),  # on MuJoCo 3 of first order
         ("mujoco-chain", 16),
         ("calculix-solid", 2),
         ("ngsolve-solid", 1),
