@@ -33,7 +33,7 @@ def section(sources: Sources, ledger: Ledger) -> Section:
         if k < 3:
             return row[k]
         case, s, part = row[:3]
-        own = part.startswith("reference's own")
+        own = "own GCI" in part
         parts = [ledger.model(case, reference)]
         parts += [] if own else [ledger.model(case, f"{theory}@{s}")]
         meaning = MEANING.get(part, f"{part}, in points of the reference's frequency")
