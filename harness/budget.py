@@ -15,10 +15,10 @@ from harness.cases import Case
 from harness.compare import case_notes, failure_notes, pairing_notes
 from harness.figures import COLOURS, MARKERS
 from harness.models import Spec, parse
+from harness.precision.ways import theory_of
 from harness.refinement import Seen, ladder, verified
 from harness.run import Study, run
 from harness.tables import Cell, Number, Table
-from harness.ways import theory_of
 from reference_models.protocol import find
 
 Array = NDArray[np.float64]

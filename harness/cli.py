@@ -14,12 +14,12 @@ from analytic import InputError, __version__
 from analytic.theory import BEAMS
 from harness.case_file import load_cases
 from harness.cases import PRESETS
-from harness.check_command import check
-from harness.claims_command import claims
+from harness.claims.command import claims
 from harness.dashboard_command import dashboard
 from harness.files import OutputError
-from harness.history_command import history
-from harness.identify_command import identify
+from harness.gate.command import check
+from harness.history.command import history
+from harness.identification.command import identify
 from harness.models import MADE_FROM, SOLID_LIMB
 from harness.options import (
     STAND_IN,
@@ -28,12 +28,12 @@ from harness.options import (
     takes_cost_request,
     takes_request,
 )
+from harness.precision.command import precision
 from harness.reproduce_command import reproduce
-from harness.sweep_command import sweep
+from harness.sweep.command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import finish, progress, show, status, write
-from harness.work_precision_command import precision
-from harness.workspace_command import workspace
+from harness.workspace.command import workspace
 from reference_models import UnavailableError, catalogue
 from reference_models.protocol import find
 
@@ -226,8 +226,8 @@ def cost(request: CostRequest) -> int:
 
     All in one run on one BLAS thread, interleaved, as ratios to one dense eigen-solution.
     """
-    from harness.cost import measure
-    from harness.cost_report import cost_files, cost_tables
+    from harness.precision.cost import measure
+    from harness.precision.cost_report import cost_files, cost_tables
 
     steps, programs, poses = request.steps, request.programs, request.poses
     rounds, folder = request.rounds, request.folder

@@ -24,10 +24,10 @@ from harness.compare import (
 from harness.convergence import converge, convergence_files
 from harness.figures import figure_files
 from harness.models import Spec, parse
+from harness.precision.ways import solid_truth
 from harness.reproduce import Done, Part, Plan, Section, tidy
 from harness.run import rows, run
 from harness.shapes import assurance_figure, shapes_figure
-from harness.ways import solid_truth
 
 LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
 BUDGET_STEPS = (1, 2, 3, 4)
@@ -148,23 +148,23 @@ def shapes(plan: Plan, done: Done) -> Part:
 
 def precision(plan: Plan, done: Done) -> Part:
     """Time against error, and the cheapest way to a precision."""
-    from harness.work_precision import STEPS, work_precision
-    from harness.work_precision_report import precision_files, precision_sentences
+    from harness.precision.report import precision_files, precision_sentences
+    from harness.precision.work_precision import STEPS, work_precision
 
     result = work_precision(plan.cases, STEPS, plan.names, solid_truth(), ROUNDS, done)
     return Part(precision_files(result), precision_sentences(result), failures=result.failures)
 
 
 def _precision_steps(plan: Plan) -> int:
-    from harness.work_precision import truths
+    from harness.precision.work_precision import truths
 
     return len(plan.cases) * len(truths(plan.names, solid_truth())) + 1 + ROUNDS
 
 
 def cost(plan: Plan, done: Done) -> Part:
     """Seconds against s and against the number of poses."""
-    from harness.cost import measure
-    from harness.cost_report import cost_files, cost_sentences
+    from harness.precision.cost import measure
+    from harness.precision.cost_report import cost_files, cost_sentences
 
     beams = [name for name in plan.names if not name.endswith(("solid", "averaged", "ffrf"))]
     result = measure(COST_STEPS, beams, BATCHES, ROUNDS, done)
@@ -228,10 +228,10 @@ SECTIONS = (
             _precision_steps, precision, timed=True),
     Section("cost", "Cost", "rps-bench cost", lambda _: 1 + ROUNDS, cost, timed=True),
     Section("workspace", "Workspace, Fig. 6", "rps-bench workspace", lambda _: 1,
-            _command("harness.workspace_command", "workspace", _bullets,
+            _command("harness.workspace.command", "workspace", _bullets,
                      under="workspace/")),
     Section("claims", "Claims", "rps-bench claims", lambda _: 1,
-            _command("harness.claims_command", "claims", _verdicts), timed=True),
+            _command("harness.claims.command", "claims", _verdicts), timed=True),
     Section("identification", "Identification", "rps-bench identify", lambda _: 1,
-            _command("harness.identify_command", "identify", _bullets)),
+            _command("harness.identification.command", "identify", _bullets)),
 )  # fmt: skip

@@ -13,10 +13,10 @@ from harness.cases import Case
 from harness.compare import relative_error
 from harness.convergence import Convergence
 from harness.models import PAPER_ELEMENTS, Spec, formal_order
+from harness.precision.ways import theory_of
 from harness.refinement import Refinement
 from harness.run import Study
 from harness.slenderness import THEORIES, Slenderness
-from harness.ways import theory_of
 
 AGREES = 0.1
 """Two sets of figures agree if none differs by more than this [%]: ten times Table I's rounding."""

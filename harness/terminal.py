@@ -78,7 +78,7 @@ def finish(history: Path | None, *studies: Study) -> int:
         for row in rows(study)
     }
     if found:
-        from harness.store import append
+        from harness.history.store import append
 
         append(history, list(found.values()), as_typed())
     return ended

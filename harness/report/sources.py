@@ -13,9 +13,9 @@ import polars as pl
 from analytic import InputError
 from analytic.theory import BEAMS
 from harness.cases import PRESETS
+from harness.history.store import open_history
 from harness.models import Spec
 from harness.run import Study, run
-from harness.store import open_history
 
 TABLES = ("table1", "fig3", "references", "budget", "work-precision", "cheapest", "claims")
 CASES = ("case1", "case2")

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from harness.cases import PRESETS
-from harness.claims import judge
-from harness.claims_checks import CHECKS
-from harness.claims_data import CANNOT, FAILS, HOLDS, ONLY_IF, Claim
-from harness.claims_equations import equations
-from harness.claims_facts import CASES, Facts, FeaTimes, Reference, Times
-from harness.claims_measure import beams, maps, printed, slender
+from harness.claims.checks import CHECKS
+from harness.claims.claims import judge
+from harness.claims.data import CANNOT, FAILS, HOLDS, ONLY_IF, Claim
+from harness.claims.equations import equations
+from harness.claims.facts import CASES, Facts, FeaTimes, Reference, Times
+from harness.claims.measure import beams, maps, printed, slender
 
 RESULTS = Path(__file__).parents[3] / "results"
 TABLE = [PRESETS[name] for name in CASES]

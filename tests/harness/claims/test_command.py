@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from harness import published
-from harness.claims import needed
-from harness.claims_data import Claim, claims, select
-from harness.claims_facts import GROUPS
+from harness.claims.claims import needed
+from harness.claims.data import Claim, claims, select
+from harness.claims.facts import GROUPS
 from harness.cli import cli
 from harness.options import Request
 from reference_models.exudyn_beam import ExudynBeam

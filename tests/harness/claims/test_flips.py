@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from analytic import Mechanism, Platform
-from harness import claims_equations
 from harness.cases import PRESETS
-from harness.claims import judge
-from harness.claims_checks import CHECKS
-from harness.claims_data import FAILS, KINDS, Claim, claims
-from harness.claims_equations import Formulas, equations, printed_position, printed_rotation
-from harness.claims_facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
+from harness.claims import equations as claims_equations
+from harness.claims.checks import CHECKS
+from harness.claims.claims import judge
+from harness.claims.data import FAILS, KINDS, Claim, claims
+from harness.claims.equations import Formulas, equations, printed_position, printed_rotation
+from harness.claims.facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
 
 TABLE = [PRESETS[name] for name in CASES]
 SLOW_THEORY = FeaTimes(np.full(3, 7.0), {"planted": np.full(3, 6.16), "other": np.ones(1)})

@@ -12,11 +12,11 @@ import pytest
 
 from analytic import Material, Mechanism, Platform, Rod
 from harness.cases import PRESETS
-from harness.claims import judge
-from harness.claims_checks import CHECKS
-from harness.claims_data import CANNOT, FAILS, HOLDS, Claim, Finding, claims, rules
-from harness.claims_facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
-from harness.claims_measure import beams, gather
+from harness.claims.checks import CHECKS
+from harness.claims.claims import judge
+from harness.claims.data import CANNOT, FAILS, HOLDS, Claim, Finding, claims, rules
+from harness.claims.facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
+from harness.claims.measure import beams, gather
 
 RESULTS = Path(__file__).parents[3] / "results"
 BY_ID = {claim.id: claim for claim in claims()}

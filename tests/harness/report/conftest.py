@@ -15,8 +15,8 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from analytic import Mechanism, Pose, condensed_frequencies
-from harness import store
 from harness.cases import PRESETS
+from harness.history import store
 from harness.models import Spec
 from harness.report.page import page
 from harness.report.sources import Sources, read_sources

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from analytic.theory import BEAMS
-from harness import store
+from harness.history import store
 from harness.report import fig3, history, workspace
 from harness.report.ledger import Ledger
 from harness.report.page import page

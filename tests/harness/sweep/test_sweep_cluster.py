@@ -57,7 +57,7 @@ def test_an_address_without_a_scheduler_is_one_sentence(
     address: str,
     why: str,
 ) -> None:
-    monkeypatch.setattr("harness.cluster.REACH", 0.3)
+    monkeypatch.setattr("harness.sweep.cluster.REACH", 0.3)
     given = ("--poses", "pose:490,0,0", "--models", "rayleigh@1", "--scheduler", address)
     answer = rps_bench("sweep", *given, "--output", str(tmp_path / "out"))
     assert answer.status == 2
@@ -99,7 +99,7 @@ def test_a_cluster_that_ends_loses_no_finished_job(
 ) -> None:
     output = tmp_path / "out"
     with cluster() as (address, dask):
-        short = "import harness.cluster; harness.cluster.REACH = 3.0"
+        short = "import harness.cluster; harness.sweep.cluster.REACH = 3.0"
         process = started(*slowly, "--scheduler", address, "--output", str(output), before=short)
         wait_for(log, 40)
         if lost == "its scheduler":
@@ -141,7 +141,7 @@ def test_a_cluster_whose_workers_are_killed_leaves_every_row_once(
             workers = [
                 other
                 for other in dask.children(recursive=True)
-                if ("harness.child" in other.cmdline()) == of_harness
+                if ("harness.sweep.child" in other.cmdline()) == of_harness
                 and (of_harness or any("spawn_main" in word for word in other.cmdline()))
             ]
             workers[0].kill()

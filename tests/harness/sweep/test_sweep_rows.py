@@ -11,8 +11,8 @@ import polars as pl
 import pytest
 
 from analytic import Continuum, Mechanism, Substructure
-from harness.jobs import BATCH
-from harness.pose_sets import pose_set
+from harness.sweep.jobs import BATCH
+from harness.sweep.pose_sets import pose_set
 
 
 def test_rows_hold_what_the_models_say(

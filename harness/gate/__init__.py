@@ -1,0 +1,1 @@
+"""What moved since the accepted figures: the ratchet, properties without a baseline, timings."""

@@ -1,0 +1,1 @@
+"""Which mechanism a table of frequencies belongs to."""

@@ -1,0 +1,1 @@
+"""What a frequency costs, and what an element buys."""

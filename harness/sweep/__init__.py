@@ -1,0 +1,1 @@
+"""Any poses by any models: on all cores or a cluster, resumable."""

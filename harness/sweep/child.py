@@ -1,0 +1,160 @@
+"""A process of its own for what may crash or hang; it costs no more than the job it holds.
+
+Started as a program, not by `multiprocessing`: that works inside a Dask worker too, and the
+environment is set before numpy is imported.
+"""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from threading import Lock
+
+from analytic.errors import InputError
+from harness.sweep.jobs import Failure, Task
+from reference_models import ModelError, UnavailableError
+
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
+)
+START = 120.0
+"""A process that is not ready after this many seconds never will be."""
+
+
+class DiedError(RuntimeError):
+    """The process ended before its answer, or had to be ended; says how."""
+
+
+class Child:
+    """One process that solves one task at a time."""
+
+    def __init__(self) -> None:
+        self._line, theirs = Pipe()
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "harness.sweep.child", str(theirs.fileno())],
+                pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                env=os.environ | ONE_THREAD,
+                start_new_session=True,  # Ctrl-C is for the parent to act on
+            )
+        self._ready = False
+
+    def solve(self, task: Task, limit: float) -> object:
+        """Return the answer within `limit` seconds, or raise `DiedError`; then it is of no use."""
+        try:
+            self._ready = self._ready or self._receive(START) == "ready"
+            self._line.send((task, limit))
+            return self._receive(limit)
+        except (EOFError, OSError):
+            raise DiedError(self._ended(limit)) from None
+
+    def _receive(self, limit: float) -> object:
+        if not self._line.poll(limit):
+            self.close()
+            raise DiedError(f"gave no answer within the time limit of {limit:g} s")
+        return self._line.recv()
+
+    def _ended(self, limit: float) -> str:
+        self._line.close()
+        status = self._process.wait()
+        if status == -signal.SIGALRM:
+            return f"gave no answer within the time limit of {limit:g} s"
+        if status < 0:
+            return f"its process was ended by {signal.Signals(-status).name}"
+        return f"its process ended by itself with status {status}"
+
+    def kill(self) -> None:
+        """End the process, whatever it is doing; safe while another thread waits for it."""
+        self._process.kill()
+        self._process.wait()
+
+    def close(self) -> None:
+        """End the process and let go of it."""
+        self.kill()
+        self._line.close()
+
+
+class Children:
+    """The processes of one parent, kept for the next job; any number of threads may ask.
+
+    `ready` of them are started at once, the others when there is a job for them.
+    """
+
+    def __init__(self, ready: int = 0) -> None:
+        self._idle = [Child() for _ in range(ready)]
+        self._all = set(self._idle)
+        self._lock = Lock()
+        self._closed = False
+
+    def attempt(self, task: Task, limit: float, tries: int) -> object:
+        """Solve `task`; where its process dies, try anew up to `tries` times, then say why."""
+        reason = ""
+        for _ in range(tries):
+            child = self._take()
+            if child is None:
+                return Failure("interrupted")
+            try:
+                answer = child.solve(task, limit)
+            except DiedError as error:
+                reason = str(error)
+                with self._lock:
+                    self._all.discard(child)
+                continue
+            with self._lock:
+                self._idle.append(child)
+                closed = self._closed
+            if closed:
+                child.close()
+            return answer
+        return Failure(f"{reason} ({tries} of {tries} tries)")
+
+    def _take(self) -> Child | None:
+        with self._lock:
+            if self._closed:
+                return None
+            child = self._idle.pop() if self._idle else Child()
+            self._all.add(child)
+            return child
+
+    def close(self) -> None:
+        """End all processes; jobs under way fail."""
+        with self._lock:
+            self._closed = True
+            idle, running = self._idle, self._all.difference(self._idle)
+        for child in idle:
+            child.close()
+        for child in running:
+            child.kill()
+
+
+def answer(task: Task) -> object:
+    """Solve `task` in this process; what the model raises becomes a `Failure`."""
+    try:
+        return task.solve()
+    except (ModelError, UnavailableError, InputError) as error:
+        return Failure(str(error))
+    except Exception as error:
+        return Failure(f"{type(error).__name__}: {error}")
+
+
+def _serve(line: Connection) -> None:
+    with line, suppress(EOFError, BrokenPipeError):
+        line.send("ready")
+        while True:
+            task, limit = line.recv()
+            # Without a parent nobody would end a hanging task.
+            signal.alarm(math.ceil(limit) + 1)
+            reply = answer(task)
+            signal.alarm(0)
+            line.send(reply)
+
+
+if __name__ == "__main__":
+    _serve(Connection(int(sys.argv[1])))

@@ -1,0 +1,100 @@
+"""The rows of a sweep: one a pose, model and mode, made from the finished jobs."""
+
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+from numpy.typing import NDArray
+
+from harness.models import Spec
+from harness.sweep.frames import write_frames
+from harness.sweep.jobs import Answer, Job
+from harness.sweep.journal import Journal
+from harness.sweep.sweep import Finished, Sweep, answers
+
+ROWS = {
+    "pose": pl.Int64,
+    "z_m": pl.Float64,
+    "azimuth_rad": pl.Float64,
+    "tilt_rad": pl.Float64,
+    "mechanism": pl.String,
+    "model": pl.String,
+    "theory": pl.String,
+    "version": pl.String,
+    "mode": pl.Int64,
+    "frequency_hz": pl.Float64,
+    "uncertainty_hz": pl.Float64,
+    "closure_m": pl.Float64,
+    "dofs": pl.Int64,
+}
+
+
+def export(
+    sweep: Sweep,
+    journal: Journal,
+    finished: Finished,
+    modes: list[int],
+    folder: Path,
+    suffix: str,
+) -> Path:
+    """Write one row a pose, model and mode into `folder` as blocks of poses are finished.
+
+    SI units; flat in memory.
+    """
+    mechanism = sha256(repr(sweep.mechanism).encode()).hexdigest()[:12]
+
+    def frames() -> Iterator[pl.DataFrame]:
+        for spec in sweep.specs:
+            for start, stop in sweep.blocks():
+                finished.wait(spec, start)
+                found = list(answers(sweep, journal, spec, start, stop))
+                if found:
+                    yield _frame(spec, mechanism, found, np.array(modes))
+
+    return write_frames(folder, f"frequencies.{suffix}", frames(), ROWS)
+
+
+def _frame(
+    spec: Spec, mechanism: str, found: list[tuple[Job, Answer]], modes: NDArray[np.int64]
+) -> pl.DataFrame:
+    sizes = [len(job.poses) for job, _ in found]
+    poses = [job.poses for job, _ in found]
+
+    def by_mode(values: list[NDArray[np.float64] | None]) -> NDArray[np.float64]:
+        filled = [
+            np.full((n, len(modes)), np.nan) if value is None else value[:, modes - 1]
+            for n, value in zip(sizes, values, strict=True)
+        ]
+        return np.concatenate(filled)
+
+    of_job = pl.DataFrame(
+        {
+            "mechanism": mechanism,
+            "model": spec.label,
+            "theory": [a.theory for _, a in found],
+            "version": [job.version for job, _ in found],
+            "closure_m": [a.closure for _, a in found],
+            "dofs": [a.dofs or None for _, a in found],
+        },
+        schema={name: ROWS[name] for name in
+                ("mechanism", "model", "theory", "version", "closure_m", "dofs")},
+    )  # fmt: skip
+    of_pose = pl.DataFrame(
+        {
+            "pose": np.concatenate([job.start + 1 + np.arange(len(job.poses)) for job, _ in found]),
+            "z_m": np.concatenate([p.z for p in poses]),
+            "azimuth_rad": np.concatenate([p.azimuth for p in poses]),
+            "tilt_rad": np.concatenate([p.tilt for p in poses]),
+            "mode": np.tile(modes, (sum(sizes), 1)),
+            "frequency_hz": by_mode([a.frequencies for _, a in found]),
+            "uncertainty_hz": by_mode([a.uncertainty for _, a in found]),
+        }
+    )
+    return (
+        of_pose.hstack(of_job[np.repeat(np.arange(len(found)), sizes)])
+        .explode("mode", "frequency_hz", "uncertainty_hz")
+        .with_columns(pl.col("uncertainty_hz").fill_nan(None))
+        .select(list(ROWS))
+    )

@@ -1,0 +1,168 @@
+"""A sweep: any set of poses by any models; finished jobs are kept, rows come from them alone."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
+from dataclasses import dataclass
+from statistics import median
+from threading import Condition
+from time import perf_counter
+from typing import Self
+
+from analytic import Mechanism, Pose
+from analytic.condensed import CHUNK
+from harness.models import Spec
+from harness.sweep.engine import Engine, run
+from harness.sweep.jobs import BATCH, Answer, Failure, Job, jobs
+from harness.sweep.journal import Journal
+from harness.tables import Cell, Number, Table
+
+FAILURES_SHOWN = 3
+"""Poses named for each reason of failure."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The lowest `count` modes of `mechanism` at `poses` (arrays) by all `specs`."""
+
+    mechanism: Mechanism
+    poses: Pose
+    specs: tuple[Spec, ...]
+    count: int
+
+    def jobs(self, spec: Spec, start: int = 0, stop: int | None = None) -> Iterator[Job]:
+        """Return the jobs of one model for the poses from `start`, a multiple of `BATCH`, on."""
+        return jobs(spec, self.mechanism, self.poses[start:stop], self.count, start)
+
+    def blocks(self) -> Iterator[tuple[int, int]]:
+        """Yield start and stop of the blocks in which poses are read back."""
+        for start in range(0, len(self.poses), BATCH):
+            yield start, min(start + BATCH, len(self.poses))
+
+    def done(self, spec: Spec, journal: Journal) -> tuple[int, int, int]:
+        """Return the number of jobs of one model, how many are finished, and the poses left."""
+        total = finished = left = 0
+        for job in self.jobs(spec):
+            total += 1
+            if job in journal:
+                finished += 1
+            else:
+                left += len(job.poses)
+        return total, finished, left
+
+
+class Finished:
+    """Which blocks of poses are finished, for a thread that reads them while others are solved.
+
+    As a context it says, where it is left before all are, that no more will be.
+    """
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._left = {
+            (spec, start): stop - start for spec in sweep.specs for start, stop in sweep.blocks()
+        }
+        self._over = False
+        self._changed = Condition()
+
+    def tell(self, job: Job) -> None:
+        """Take in a finished job, with or without an answer."""
+        with self._changed:
+            self._left[job.spec, job.start // BATCH * BATCH] -= len(job.poses)
+            self._changed.notify_all()
+
+    def wait(self, spec: Spec, start: int) -> None:
+        """Return when the block from `start` on is finished; raises `CancelledError` if never."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._over or not self._left[spec, start])
+            if self._left[spec, start]:
+                raise CancelledError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        with self._changed:
+            self._over = True
+            self._changed.notify_all()
+
+
+Failures = dict[tuple[str, str], list[int]]
+"""Numbers of the poses without an answer, by model and reason."""
+
+
+def complete(
+    sweep: Sweep, journal: Journal, engine: Engine, listeners: Sequence[Callable[[Job], None]]
+) -> Failures:
+    """Run what is not in the journal; `listeners` hear of each finished job."""
+
+    def tell(job: Job) -> None:
+        for listener in listeners:
+            listener(job)
+
+    def missing() -> Iterator[Job]:
+        for spec in sweep.specs:
+            for job in sweep.jobs(spec):
+                if job in journal:
+                    tell(job)
+                else:
+                    yield job
+
+    failures: Failures = {}
+    for job, result in run(engine, missing()):
+        if isinstance(result, Failure):
+            numbers = range(job.start + 1, job.start + 1 + len(job.poses))
+            failures.setdefault((job.spec.label, result.reason), []).extend(numbers)
+        else:
+            journal.put(job, result)
+        tell(job)
+    return {key: sorted(numbers) for key, numbers in sorted(failures.items())}
+
+
+def seconds_a_pose(sweep: Sweep, spec: Spec, engine: Engine) -> float | Failure:
+    """Return what a pose of one model takes on one core, measured at the first job [s]."""
+    first = next(sweep.jobs(spec, 0, CHUNK))
+    for _ in range(2):  # the first time pays for the start of a process
+        began = perf_counter()
+        ((_, result),) = run(engine, [first])
+        elapsed = perf_counter() - began
+    if isinstance(result, Failure):
+        return result
+    return elapsed / len(first.poses)
+
+
+def answers(
+    sweep: Sweep, journal: Journal, spec: Spec, start: int, stop: int
+) -> Iterator[tuple[Job, Answer]]:
+    """Yield the finished jobs of a block of poses, in order."""
+    for job in sweep.jobs(spec, start, stop):
+        answer = journal.get(job)
+        if answer is not None:
+            yield job, answer
+
+
+def timing_table(sweep: Sweep, journal: Journal) -> Table:
+    """What each model itself took, over all runs into this folder."""
+    rows: list[tuple[Cell, ...]] = []
+    for spec in sweep.specs:
+        poses, each, total = 0, [], 0.0
+        for start, stop in sweep.blocks():
+            for job, answer in answers(sweep, journal, spec, start, stop):
+                poses += len(job.poses)
+                each.append(answer.seconds / len(job.poses))
+                total += answer.seconds
+        usual = Number(1e3 * median(each), 4) if each else "-"
+        rows.append((spec.label, poses, Number(total, 2), usual))
+    notes = ("ms a pose: the median; seconds: all, with what each process loads for its first job",)
+    return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows), notes)
+
+
+def failure_table(failures: Failures) -> Table:
+    """Why models have no answer, and where."""
+    rows: list[tuple[Cell, ...]] = []
+    for (label, reason), numbers in failures.items():
+        named = ", ".join(map(str, numbers[:FAILURES_SHOWN]))
+        more = len(numbers) - FAILURES_SHOWN
+        rows.append(
+            (label, len(numbers), f"{named} and {more} more" if more > 0 else named, reason)
+        )
+    notes = ("run the same command again to try these, and only these, anew",)
+    return Table("Failures", ("Model", "Poses", "Numbers", "Reason"), tuple(rows), notes)

@@ -1,0 +1,1 @@
+"""Fig. 6: maps of frequencies over the regular workspace."""

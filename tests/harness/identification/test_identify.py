@@ -1,0 +1,333 @@
+"""Planted parameters come back within their intervals; Table I says what is known of it."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, kstest
+
+from analytic import (
+    InputError,
+    Mechanism,
+    Platform,
+    Pose,
+    Rod,
+    frequency_sensitivities,
+)
+from analytic.fit import profile_ends, rise
+from harness.identification.directions import directions, quantities, sensitivities
+from harness.identification.identify import fit, identify, readings
+from harness.identification.problem import Problem
+from harness.identification.report import simplest
+from harness.identification.summary import sentences
+from harness.identification.table import FrequencyTable, published_table, read_table
+from harness.models import parse_analytic
+
+NAMES = ("z_mm", "base_radius_mm", "platform_thickness_mm", "tilt_deg")
+PLANTED = (530.0, 270.0, 22.0, -11.0)
+SPEC = parse_analytic("euler-bernoulli@3", "model")
+NOISE = 0.005
+TRIALS = 100
+ROOT = Path(__file__).parents[3]
+
+
+def planted(noise, trials, seed=1):
+    """A problem with both cases of the paper, its true x, and tables with noise, as logarithms."""
+    problem = Problem(published_table(), SPEC, NAMES)
+    x = np.array([problem.to_x(name, v) for name, v in zip(NAMES, PLANTED, strict=True)])
+    exact = np.log(problem.frequencies(x[None]))
+    shape = (trials, *exact.shape[1:])
+    logs = exact + noise * np.random.default_rng(seed).standard_normal(shape)
+    # As a table is printed: each case's modes by frequency. The first serves as the problem's own.
+    logs = np.sort(logs, axis=2)
+    table = replace(problem.table, frequencies=np.exp(logs[0]), step=np.zeros(shape[1:]))
+    return replace(problem, table=table), x, logs.reshape(trials, -1)
+
+
+def inside(intervals, true):
+    """Which intervals (T, P, 2) hold the true values."""
+    return (intervals[..., 0] <= true) & (true <= intervals[..., 1])
+
+
+@pytest.fixture(scope="module")
+def trials():
+    problem, x, observed = planted(NOISE, TRIALS)
+    return problem, x, observed, fit(problem, observed, noise=NOISE, starts=4)
+
+
+@pytest.mark.slow
+def test_planted_parameters_lie_within_their_intervals(trials):
+    """All four at once in at least 95 of 100 tables, and each by itself in about 95."""
+    _, _, _, fits = trials
+    assert fits.minima.settled.all()
+    assert not fits.open.any()
+    assert inside(fits.together, PLANTED).all(axis=1).sum() >= 95
+    alone = inside(fits.alone, PLANTED).sum(axis=0)
+    assert (alone >= 88).all()  # 95 - 3 sigma of 100 draws
+    assert alone.sum() <= 4 * TRIALS - 4  # intervals that always hold are too wide
+
+
+@pytest.mark.slow
+def test_intervals_are_no_wider_than_they_must_be(trials):
+    """S falls from the truth to the fit as chi-square of four, and 68 % intervals hold 68 %."""
+    problem, x, observed, fits = trials
+    truth = np.tile(x, (TRIALS, 1))
+    true_sums = (problem.residuals(observed)(truth, np.arange(TRIALS)) ** 2).sum(axis=1)
+    fall = (true_sums - fits.minima.sums) / NOISE**2
+    assert fall.min() > 0
+    assert kstest(fall, chi2(4).cdf).pvalue > 0.01
+    low, high = problem.limits
+    height = rise(0.68, 1, sums=fits.minima.sums, freedom=8, noise=NOISE)
+    free = np.ones((TRIALS, 4), bool)
+    ends = profile_ends(problem.residuals(observed), fits.minima, free, low, high, height)
+    held = inside(ends.at, x).sum(axis=0)
+    assert (np.abs(held - 68) <= 14).all()  # 3 sigma of 100 draws
+
+
+@pytest.mark.slow
+def test_noise_read_from_the_residuals_serves_as_well(trials):
+    problem, x, observed, fits = trials
+    own = np.sqrt(fits.minima.sums / 8)
+    assert np.median(own) == pytest.approx(NOISE, rel=0.1)
+    low, high = problem.limits
+    height = rise(0.95, 4, sums=fits.minima.sums, freedom=8, noise=None)
+    free = np.ones((TRIALS, 4), bool)
+    ends = profile_ends(problem.residuals(observed), fits.minima, free, low, high, height)
+    assert 95 <= inside(ends.at, x).all(axis=1).sum() <= 99
+
+
+@pytest.mark.slow
+def test_half_the_noise_halves_the_intervals():
+    def width(noise):
+        problem, _, observed = planted(noise, 6)
+        ends = fit(problem, observed, noise=noise, starts=4).together
+        return np.median(ends[..., 1] - ends[..., 0], axis=0)
+
+    np.testing.assert_allclose(width(NOISE / 2), width(NOISE) / 2, rtol=0.15)
+
+
+@pytest.mark.slow
+def test_an_exact_table_leaves_nothing():
+    problem, x, observed = planted(0.0, 1)
+    fits = fit(problem, observed, noise=1e-6, starts=4)
+    np.testing.assert_allclose(fits.values[0], PLANTED, rtol=1e-5)
+    assert np.sqrt(fits.minima.sums[0] / 12) < 1e-7
+    residuals = problem.residuals(observed)(x[None], np.zeros(1, dtype=np.intp))
+    np.testing.assert_allclose(residuals, 0, atol=1e-12)
+
+
+def test_slopes_are_those_of_the_exact_derivatives(case2):
+    """Finite differences over the batch, against complex steps through one mode at a time."""
+    table = published_table()
+    problem = Problem(table, SPEC, NAMES)
+    whole, _, J = sensitivities(problem, {"z_mm": 490.0})
+    rod, robot = table.cases[0].mechanism.limbs[0].rod, Mechanism.paper()
+    f = whole.frequencies(whole.start[None])[0, 1]
+    si = ("z", "base_radius", "diameter", "tilt")
+    names = ("z_mm", "base_radius_mm", "rod_diameter_mm", "tilt_deg")
+    values = (0.49, 0.3, rod.diameter, case2.tilt)
+    exact = frequency_sensitivities(robot, case2, si, 3) * values / f[:, None]
+    columns = [whole.names.index(name) for name in names]
+    np.testing.assert_allclose(J[6:, columns], exact, rtol=2e-4, atol=1e-6)
+
+
+def test_what_frequencies_cannot_show_is_exactly_two_directions():
+    """E and rho raised alike, and everything grown alike with E / rho as its square."""
+    problem = Problem(published_table(), SPEC, NAMES)
+    whole, x, J = sensitivities(problem, {})
+    found = directions(whole.names, J, 0.01)
+    unseen = [d for d in found if np.isinf(d.deviation)]
+    assert len(unseen) == 2
+    lengths = [n for n in whole.names if n.endswith("_mm")]
+    for direction in unseen:
+        e = direction.exponents
+        grown = e["z_mm"]
+        np.testing.assert_allclose([e[n] for n in lengths], grown, atol=1e-3)
+        assert e["young_GPa"] - e["density_kg_m3"] == pytest.approx(2 * grown, abs=2e-3)
+        # Nothing changes along it, far from the point as well.
+        step = np.array([0.1 * e[n] for n in whole.names])
+        f, g = whole.frequencies(np.array([x, x + step * (np.abs(step) > 1e-4)]))
+        np.testing.assert_allclose(g, f, rtol=1e-3)
+    deviations = [d.deviation for d in found]
+    assert deviations[0] < 0.01 < deviations[-3]
+
+
+@pytest.mark.slow
+def test_table_1_pins_down_what_is_known_of_it():
+    """As some 1,500 fits by other means: d / L^2 = 0.326 1/m, a disc, r2 sin(theta) / L = 0.07."""
+    table = published_table()
+    result = identify(Problem(table, SPEC, NAMES, mirrored=True), starts=4)
+    values = dict(zip(NAMES, result.fits.values[0].tolist(), strict=True))
+    whole, x, J = sensitivities(result.problem, values)
+    named = {q.name: q for q in quantities(whole, x, J, float(result.fits.noise[0]))}
+    assert named["d / L^2 [1/m]"].value == pytest.approx(0.326, abs=0.003)
+    assert named["d / L^2 [1/m]"].after < 0.01
+    assert named["Jz / (m r2^2)"].after < 0.1
+    assert named["r2 sin(theta) / L"].value == pytest.approx(0.07, abs=0.005)
+    assert named["L [m]"].after > 0.05
+    assert result.assumed is None
+    assert result.fits.noise[0] > 100 * table.rounding
+
+
+@pytest.mark.slow
+def test_case_1_alone_is_met_with_rotary_inertia():
+    """z = 0.53336 m and |r1 - r2| = 0.1371 m, found by others; the lean's sign cannot be seen."""
+    table = published_table()
+    one = replace(
+        table, cases=table.cases[:1], frequencies=table.frequencies[:1], step=table.step[:1]
+    )
+    problem = Problem(
+        one,
+        parse_analytic("rayleigh@3", "model"),
+        ("z_mm", "base_radius_mm"),
+        bounds={"base_radius_mm": (210.0, 600.0)},
+    )
+    fits = fit(problem, one.logarithms[None], starts=4)
+    np.testing.assert_allclose(fits.values[0], [533.36, 337.1], rtol=2e-4)
+    error = problem.frequencies(fits.minima.points)[0] / one.frequencies - 1
+    assert np.abs(error).max() < 2e-4
+
+
+@pytest.mark.slow
+def test_readings_of_table_1():
+    """None meets it; mirrored frames explain it four times better at one parameter."""
+    table = published_table()
+    specs = [parse_analytic(name, "model") for name in ("euler-bernoulli@3", "rayleigh@3")]
+    ranked = readings(table, ("z_mm", "base_radius_mm", "tilt_deg"), specs, {}, most=2)
+    assert len(ranked) == 7 * 2 * 3
+    assert min(r.worst for r in ranked) > 0.003
+
+    def best(count, mirrored):
+        return min(
+            (r for r in ranked if len(r.x) == count and r.problem.mirrored == mirrored),
+            key=lambda r: r.rms,
+        )
+
+    assert best(1, False).rms == pytest.approx(0.0198, abs=5e-4)
+    assert best(1, True).rms == pytest.approx(0.0050, abs=2e-4)
+    assert best(1, True).problem.names == ("z_mm",)
+    assert best(2, False).rms < 0.006
+    assert best(2, False).values[1] < 150  # a base half as wide as the platform
+    assert simplest(ranked).problem.names == ("z_mm",)
+    assert simplest(ranked).problem.inertia == "disc"
+
+
+@pytest.mark.slow
+def test_sentences_say_what_was_computed():
+    """Table I leaves open which way the limbs came to lean; a planted table does not."""
+    both = [Problem(published_table(), SPEC, NAMES, mirrored=slip) for slip in (False, True)]
+    results = [identify(problem, starts=4) for problem in both]
+    ranked = readings(both[0].table, ("z_mm", "base_radius_mm"), [SPEC], {}, most=1)
+    pinned, none, best, lean = sentences(results, ranked)
+    z, r1, *_ = results[1].fits.values[0] / 1e3
+    value, low, high = (float(x) for x in re.findall(r"0\.\d{4}", pinned)[:3])
+    assert value == pytest.approx(0.1 / (z**2 + (r1 - 0.2) ** 2), abs=1e-4)
+    assert low < value < high < 1.02 * low
+    assert pinned.endswith(f"make it {0.1 / (0.49**2 + 0.1**2):.4f} 1/m.")
+    worst = 100 * min(r.worst for r in ranked)
+    assert f"none meets all 12 values: the closest is {worst:.2f} % off" in none
+    assert best.startswith("The best reading with one free parameter is euler-bernoulli@3, mirror")
+    assert "with frames as stated it is euler-bernoulli@3, z_mm 544.6" in best
+    assert "limbs that lean outwards" in lean and "does not tell the two apart" in lean
+
+    problem, _, _ = planted(0.0, 1)
+    found = [
+        identify(replace(problem, mirrored=slip), noise=1e-6, starts=4) for slip in (False, True)
+    ]
+    lean = sentences(found, [])[-1]
+    assert "is 270 mm (270 to 270)" in lean and "limbs that lean inwards" in lean
+    assert "The table prefers stated frames" in lean
+
+
+def test_twins_count_once_and_a_case_may_have_its_own_height():
+    table = published_table()
+    np.testing.assert_array_equal(table.weights, [0.5, 0.5, 1, 1, 0.5, 0.5] + [1] * 6)
+    problem = Problem(table, SPEC, ("z_mm", "case2.z_mm"))
+    f = problem.frequencies(np.log([[490.0, 490.0], [490.0, 540.0]]))
+    np.testing.assert_allclose(f[0, 0], f[1, 0], rtol=1e-9)
+    assert (f[1, 1] < f[0, 1]).all()
+    shared = Problem(table, SPEC, ("tilt_deg",)).frequencies(np.array([[-12.0], [-6.0]]))
+    np.testing.assert_allclose(shared[0, 0], shared[1, 0], rtol=1e-9)
+    assert not np.allclose(shared[0, 1], shared[1, 1], rtol=1e-3)
+
+
+def test_platform_and_rods_follow_each_other():
+    """The disc is as wide as its joints and of the rods' material, unless asked otherwise."""
+    problem = Problem(published_table(), SPEC, ("platform_radius_mm", "density_kg_m3"))
+    f = problem.frequencies(np.log([[220.0, 7000.0]]))[0, 1]
+    rod = replace(Mechanism.paper().limbs[0].rod.material, density=7000.0)
+    robot = Mechanism.regular(0.3, 0.22, Rod(rod, 0.1), Platform.disc(0.22, 0.02, 7000.0))
+    model = SPEC.build()
+    expected = model.modes(robot, Pose(0.49, np.radians(10), np.radians(-12))).frequencies
+    np.testing.assert_allclose(f, expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (("mass",), "one of z_mm"),
+        (("case9.z_mm",), "one of z_mm"),
+        (("case1.young_GPa",), "one of z_mm"),
+        (("z_mm", "case1.z_mm", "case2.z_mm"), "left for"),
+    ],
+)
+def test_names_that_mean_nothing_are_refused(names, expected):
+    with pytest.raises(InputError, match=expected):
+        Problem(published_table(), SPEC, names)
+
+
+def test_more_parameters_than_values_are_refused():
+    table = published_table()
+    one = replace(
+        table, cases=table.cases[:1], frequencies=table.frequencies[:1], step=table.step[:1]
+    )
+    with pytest.raises(InputError, match="fewer than the 4 different values"):
+        fit(Problem(one, SPEC, (*NAMES[:2], "rod_diameter_mm", "young_GPa")), one.logarithms[None])
+
+
+def test_tables_from_files(tmp_path):
+    path = tmp_path / "measured.csv"
+    path.write_text("case,method,f1,f2\ncase1,ours,115.0,116\ncase1,theirs,120,121\n")
+    table = read_table(path, "ours", {})
+    assert isinstance(table, FrequencyTable)
+    np.testing.assert_allclose(table.frequencies, [[115.0, 116.0]])
+    np.testing.assert_allclose(table.step, [[0.1, 1.0]])
+    for text, expected in {
+        "case,f1\ncase1,abc\n": "positive number of hertz",
+        "case,f1,f2\ncase1,5,4\n": "ascend",
+        "name,f1\ncase1,5\n": "under the columns",
+        "case,f1\ncase1,5\ncase1,6\n": "one row a case",
+        "case,f1\n": "under the columns",
+        "case,f1\ncase9,5\n": "one of case1",
+    }.items():
+        path.write_text(text)
+        with pytest.raises(InputError, match=expected):
+            read_table(path, None, {})
+
+
+@pytest.mark.slow
+def test_the_command_writes_all_it_says(rps_bench, tmp_path):
+    """Twice the same bytes."""
+    path = tmp_path / "one.csv"
+    path.write_text("case,f1,f2,f3,f4\ncase2,109.44,118.75,200.65,606.07\n")
+    command = ["identify", "--table", str(path), "--parameters", "z_mm,base_radius_mm"]
+    command += ["--model", "euler-bernoulli@3", "--starts", "4", "--bounds", "z_mm=450..650"]
+    first = rps_bench(*command, "--output", str(tmp_path / "a"))
+    assert first.status == 0, first.err
+    assert "z_mm" in first.out
+    rps_bench(*command, "--output", str(tmp_path / "b"))
+    names = sorted(p.name for p in (tmp_path / "a").iterdir())
+    assert "identification.json" in names
+    assert "identification.svg" in names
+    for name in names:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+
+
+def test_the_page_shows_the_accepted_tables():
+    page = (ROOT / "docs" / "identification.md").read_text()
+    for stem in ("identification", "identification-parameters", "identification-quantities"):
+        accepted = (ROOT / "results" / f"{stem}.md").read_text()
+        table = "\n".join(line for line in accepted.splitlines() if line.startswith("|"))
+        assert table in page

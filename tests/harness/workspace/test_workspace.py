@@ -1,0 +1,228 @@
+"""`rps-bench workspace`: maps, the paper's two statements, pictures and data."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from analytic import Continuum, Limits, Mechanism, Pose, RegularWorkspace, Substructure, reachable
+from analytic.workspace import inscribed
+from harness.figures import picture
+from harness.models import Spec
+from harness.workspace.checks import (
+    height_table,
+    mirrored,
+    opposite,
+    region_table,
+    ripple,
+    rises,
+    symmetry_table,
+    turned,
+    verdicts,
+)
+from harness.workspace.figures import contour_figure, region_figure, ripple_figure, surface_figure
+from harness.workspace.map import Grid, Region, WorkspaceMap, map_frequencies, workspace_map
+from reference_models import ModelError
+from reference_models.exudyn_cable import ExudynCable
+
+CONTINUUM = Spec("timoshenko", None)
+Bench = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def region(robot: Mechanism) -> Region:
+    z = np.array([0.3, 0.5, 0.7, 0.9])
+    circles = RegularWorkspace(z, inscribed(robot, z, Limits(), azimuths=24)[0])
+    return Region(robot, Limits(), circles, circles.cone())
+
+
+@pytest.fixture(scope="module")
+def grid(region: Region) -> Grid:
+    return Grid.of(region, np.array([0.32, 0.5, 0.8]), 24, 5)
+
+
+@pytest.fixture(scope="module")
+def solved(region: Region, grid: Grid) -> WorkspaceMap:
+    return workspace_map(region, grid, CONTINUUM, 6)
+
+
+@pytest.fixture
+def few_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A coarse profile, to be quick."""
+    monkeypatch.setattr("harness.workspace.map.PROFILE", 9)
+
+
+@pytest.fixture
+def invented(region: Region, grid: Grid) -> WorkspaceMap:
+    """f1 round, f2 with three waves of 1 %, f3 with one; all fall with z as 1 / z."""
+    shape = np.broadcast_shapes((3, 1, 1), (24, 1), (3, 1, 5))
+    azimuth, size = grid.azimuth[:, None], (grid.tilt / grid.radii[:, None])[:, None, :] ** 2
+    waves = (0 * azimuth, 0.01 * np.cos(3 * azimuth), 0.01 * np.cos(azimuth + 0.2))
+    f = [np.broadcast_to(100 / grid.z[:, None, None] * (1 + size * w), shape) for w in waves]
+    return WorkspaceMap(region, grid, CONTINUUM, np.stack(f, axis=-1), {})
+
+
+def test_the_grid_fills_the_circles(region: Region, grid: Grid) -> None:
+    assert np.isfinite(grid.tilt).sum(axis=1).tolist() == [4, 5, 5]
+    rims = grid.tilt[np.arange(3), grid.rim]
+    np.testing.assert_array_equal(rims, grid.radii)
+    where = np.nonzero(grid.wanted)
+    assert reachable(region.mechanism, grid.pose(*where), region.limits).all()
+    assert len(where[0]) == 3 + 24 * (3 + 4 + 4)  # a level platform once a layer
+    common = grid.tilt[:, :3]
+    np.testing.assert_array_equal(common, np.broadcast_to(common[0], common.shape))
+
+
+def test_the_map_is_the_model(solved: WorkspaceMap, robot: Mechanism) -> None:
+    for i, k, j in ((0, 5, 0), (1, 7, 4), (2, 23, 2)):
+        wanted = Continuum("timoshenko").modes(robot, solved.grid.pose(i, k, j)).frequencies
+        np.testing.assert_allclose(solved.frequencies[i, k, j], wanted, rtol=1e-8)
+    assert np.isnan(solved.frequencies[0, :, 4]).all()
+
+
+def test_any_elements_and_theory(robot: Mechanism) -> None:
+    poses = Pose(np.array([0.4, 0.6]), 0.3, 0.2)
+    found, _ = map_frequencies(Spec("rayleigh", 2), robot, poses, 4)
+    for row, pose in zip(found, poses, strict=True):
+        wanted = Substructure(2, "rayleigh").modes(robot, pose, 4).frequencies
+        np.testing.assert_allclose(row, wanted, rtol=1e-8)
+
+
+def test_what_the_paper_says_of_fig_6(solved: WorkspaceMap) -> None:
+    """Not circularly symmetrical: 120-degree periodic and mirrored. Falling with height."""
+    assert max(turned(solved, 3), mirrored(solved), opposite(solved)) < 1e-9
+    largest = np.nanmax(ripple(solved), axis=(0, 1))
+    assert (largest[:3] > 0.03).all() and (largest[:3] < 0.12).all()
+    assert turned(solved, 2) > 0.03  # no 180-degree turn
+    change, checked = rises(solved)
+    assert checked.sum() == 6 * (1 + 24 * 3)
+    assert np.nanmax(change) < -0.3
+    symmetry, height = verdicts(solved.region, solved, range(1, 7))[1:]
+    assert '"Circularly symmetrical": only 120-degree periodic. That turn changes no' in symmetry
+    assert height.endswith("yes, in all 732 steps of 438 columns of poses.")
+
+
+def test_ripple_and_turns_of_known_waves(invented: WorkspaceMap) -> None:
+    wave = ripple(invented)
+    assert np.nanmax(wave[..., 0]) < 1e-12
+    rim = wave[np.arange(3), invented.grid.rim]
+    np.testing.assert_allclose(rim[:, 1], 0.02, rtol=1e-9)
+    assert turned(replace(invented, frequencies=invented.frequencies[..., :2]), 3) < 1e-12
+    assert turned(invented, 3) == pytest.approx(0.01 * np.sqrt(3), rel=0.02)
+    assert mirrored(replace(invented, frequencies=invented.frequencies[..., :2])) < 1e-12
+    assert mirrored(invented) == pytest.approx(0.02 * np.sin(0.2), rel=0.02)
+    row = symmetry_table(invented, [1, 2, 3]).rows[1]
+    assert str(row[1]) == "2.000"
+    assert '"Circularly symmetrical": yes' in verdicts(invented.region, invented, [1])[1]
+    assert ": no. A turn of 120 deg changes" in verdicts(invented.region, invented, [1, 3])[1]
+
+
+def test_a_rise_is_named(invented: WorkspaceMap) -> None:
+    f = invented.frequencies.copy()
+    f[2, 6, 1, 1] = 1.01 * f[1, 6, 1, 1]
+    rising = replace(invented, frequencies=f)
+    said = verdicts(rising.region, rising, [1, 2])[2]
+    assert "not in 1 of " in said
+    assert "first f2 at z = 500.0 mm, azimuth 90.00 deg, tilt " in said
+    first, second = height_table(rising, [1, 2]).rows
+    assert first[1] == first[2] == 73
+    assert second[2] == 72 and second[3] == "+0.033"
+
+
+def test_the_table_of_layers(solved: WorkspaceMap, region: Region) -> None:
+    rows = region_table(region, solved, [1]).rows
+    assert [row[3] for row in rows] == ["spherical joint"] * 3
+    level = solved.frequencies[1, 0, 0, 0]
+    assert rows[1][5].value == pytest.approx(level)  # type: ignore[union-attr]
+    top = Grid.of(region, np.array([0.95]), 12, 2)
+    assert region.bound(0.95, top.touch[0], top.radii[0]) == "longest limb"
+
+
+def test_a_simulator_goes_pose_by_pose(
+    region: Region, robot: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One failing pose costs itself; level poses are solved once."""
+    heard: list[str] = []
+    grid = Grid.of(region, np.array([0.5]), 3, 2)
+    spec = Spec("exudyn-cable", 2)
+    real = ExudynCable.modes
+
+    def fragile(self: Any, mechanism: Mechanism, pose: Pose, count: int = 6) -> Any:
+        if pose.azimuth > 4:
+            raise ModelError("no convergence")
+        return real(self, mechanism, pose, count)
+
+    monkeypatch.setattr(ExudynCable, "modes", fragile)
+    data = workspace_map(region, grid, spec, 3, heard.append)
+    assert len(heard) == 1 + 3
+    wanted = ExudynCable(2).modes(robot, grid.pose(0, 1, 1), 3).frequencies
+    np.testing.assert_array_equal(data.frequencies[0, 1, 1], wanted)
+    assert np.isnan(data.frequencies[0, 2, 1]).all()
+    assert list(data.failures.values()) == ["no convergence"]
+    (pose, label), *_ = data.failures
+    assert pose.startswith("z = 500.0 mm, azimuth 240.00 deg") and label == "exudyn-cable@2"
+    for figure in (contour_figure(data, [1]), surface_figure(data, [1]), ripple_figure(data, [1])):
+        assert picture(figure, "png").startswith(b"\x89PNG")
+    symmetry, height = verdicts(region, data, [1])[1:]
+    assert symmetry.endswith("not checked, for no circle of one tilt is complete.")
+    assert height.endswith("not checked, for no two layers share a pose.")
+    assert symmetry_table(data, [1]).rows[0][1:] == ("",) * 4
+
+
+@pytest.mark.slow
+def test_pictures_show_degrees_and_hertz(solved: WorkspaceMap, region: Region) -> None:
+    contours = contour_figure(solved, [1, 2])
+    panels = [axes for axes in contours.axes if axes.get_aspect() == 1]
+    assert len(panels) == 6
+    for k, axes in enumerate(panels[:3]):
+        rim = np.hypot(*axes.lines[0].get_data())
+        np.testing.assert_allclose(rim, np.degrees(solved.grid.radii[k]))
+    side, above = region_figure(region, solved.grid).axes[:2]
+    for k in range(3):
+        edge, circle = (line.get_ydata() for line in above.lines[2 * k : 2 * k + 2])
+        assert circle[0] == pytest.approx(np.degrees(solved.grid.radii[k]))
+        assert edge.min() == pytest.approx(np.degrees(solved.grid.radii[k]), abs=1e-3)
+    assert side.get_ylabel() == "height $z$ [mm]"
+    assert picture(surface_figure(solved, [3]), "svg") == picture(
+        surface_figure(solved, [3]), "svg"
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_layers")
+def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None:
+    answer = rps_bench(
+        "workspace", "--model", "euler-bernoulli@3", "--modes", "1,4", "--layers", "600,320",
+        "--grid", "12x3", "--spherical-max-deg", "40", "--output", str(tmp_path),
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+    assert "spherical joints 40 deg" in answer.out
+    assert '- "Circularly symmetrical": only 120-degree periodic.' in answer.out
+    assert '- "The increased platform height decreases the natural frequency": yes' in answer.out
+    names = {path.name for path in tmp_path.iterdir()}
+    pictures = {f"{stem}.{form}" for stem in ("workspace", "contours", "surfaces", "ripple")
+                for form in ("svg", "png")}  # fmt: skip
+    assert pictures | {"map.csv", "layers.md", "symmetry.tex", "height.csv"} <= names
+    frame = pl.read_csv(tmp_path / "map.csv")
+    assert frame["z_m"].unique().sort().to_list() == [0.32, 0.6]
+    assert frame.columns[-1] == "f4_hz"
+    row = frame.row(20, named=True)
+    pose = Pose(row["z_m"], row["azimuth_rad"], row["tilt_rad"])
+    wanted = Substructure(3).modes(robot, pose, 4).frequencies
+    np.testing.assert_allclose([row[f"f{i}_hz"] for i in range(1, 5)], wanted, rtol=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("few_layers")
+def test_the_command_with_a_simulator(rps_bench: Bench, tmp_path: Path) -> None:
+    answer = rps_bench(
+        "workspace", "--model", "exudyn-cable@2", "--layers", "400,600", "--grid", "12x2",
+        "--output", str(tmp_path),
+    )  # fmt: skip
+    assert answer.status == 0, answer.err
+    assert "exudyn-cable@2: 26 poses one by one at " in answer.err
+    assert pl.read_csv(tmp_path / "map.csv").height == 2 * 12 * 2
