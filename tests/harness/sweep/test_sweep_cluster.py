@@ -99,7 +99,7 @@ def test_a_cluster_that_ends_loses_no_finished_job(
 ) -> None:
     output = tmp_path / "out"
     with cluster() as (address, dask):
-        short = "import harness.cluster; harness.sweep.cluster.REACH = 3.0"
+        short = "import harness.sweep.cluster; harness.sweep.cluster.REACH = 3.0"
         process = started(*slowly, "--scheduler", address, "--output", str(output), before=short)
         wait_for(log, 40)
         if lost == "its scheduler":
