@@ -25,7 +25,7 @@ SELECT run, time, any_value(command) AS command, any_value(commit) AS commit,
   concat_ws(', ', any_value('python ' || python), any_value('numpy ' || numpy),
     any_value('scipy ' || scipy),
     string_agg(DISTINCT version, ', ' ORDER BY version)
-      FILTER (NOT starts_with(version, 'rps-bench'))) AS versions
+      FILTER (NOT regexp_matches(version, '^(rps-bench|numpy)'))) AS versions
 FROM rows {where} GROUP BY run, time ORDER BY time, run
 """
 _ROWS = 'SELECT * FROM rows {where} ORDER BY time, run, "case", model, mode'

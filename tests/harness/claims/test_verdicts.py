@@ -20,7 +20,6 @@ from harness.claims.measure import beams, gather
 
 RESULTS = Path(__file__).parents[3] / "results"
 BY_ID = {claim.id: claim for claim in claims()}
-TIMED = {"times", "fea_times"}
 Kind = Callable[[Facts, Claim], str]
 
 
@@ -136,7 +135,7 @@ def test_the_accepted_results_are_these(expected: dict[str, str]) -> None:
         assert [row[key] for key in ("section", "quoted", "command", "how")] == [
             getattr(BY_ID[name], key) for key in ("section", "quoted", "command", "how")
         ]
-        assert row["kind"] == expected[name] or TIMED & set(CHECKS[BY_ID[name].check].groups)
+        assert row["kind"] == expected[name]
 
 
 @pytest.mark.slow
