@@ -8,7 +8,6 @@ from pathlib import Path
 
 import click
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from analytic import InputError, __version__
 from analytic.theory import BEAMS
@@ -33,6 +32,7 @@ from harness.reproduce_command import reproduce
 from harness.sweep.command import sweep
 from harness.tables import Cell, Number, Table
 from harness.terminal import finish, progress, show, status, write
+from harness.threads import one_thread
 from harness.workspace.command import workspace
 from reference_models import UnavailableError, catalogue
 from reference_models.protocol import find
@@ -44,8 +44,7 @@ atexit.register(gc.freeze)
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit status 2."""
     try:
-        # Small matrices on many threads are slower by orders of magnitude.
-        with threadpool_limits(1):
+        with one_thread():
             ended = cli(standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("rps-bench: interrupted", err=True)

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_limits
 
 from analytic import Mechanism, Pose
+from harness.threads import one_thread
 
-# Small matrices on many BLAS threads are slower by orders of magnitude.
-_limits = threadpool_limits(1)
+_limits = one_thread()
+_limits.__enter__()
 
 
 @pytest.fixture(scope="session")

@@ -16,11 +16,9 @@ from threading import Lock
 
 from analytic.errors import InputError
 from harness.sweep.jobs import Failure, Task
+from harness.threads import ONE_THREAD
 from reference_models import ModelError, UnavailableError
 
-ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
-)
 START = 120.0
 """A process that is not ready after this many seconds never will be."""
 
