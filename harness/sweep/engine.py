@@ -5,17 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from queue import Empty, SimpleQueue
-from threading import Semaphore
-from time import monotonic
+from threading import Lock
 from typing import Any, Protocol, TypeVar
 
 from harness.sweep.child import Children, answer
 from harness.sweep.jobs import Failure, Task
 
-HERE = 2
-"""Analytic tasks at once in this process, on threads: numpy lets other threads run meanwhile."""
-START = 0.5
-"""Seconds of analytic work before a process is started for what exceeds that."""
 LOOK = 1.0
 """Seconds without a finished job after which the engine is asked whether there is hope."""
 FETCH = 10.0
@@ -88,8 +83,8 @@ def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
 class Local:
     """All cores of this machine. Simulators run in processes of their own, which may die.
 
-    `HERE` analytic tasks at a time run in this process: it is ready at once. The others wait for
-    that at first, for a process of their own takes longer to start than a small sweep to end.
+    One analytic task at a time runs in this process, which is ready at once; the others run in
+    processes too, for on threads of one process they wait for each other's interpreter.
     `simulations`: how many jobs will need a process; as many as can be of use are started at once.
     """
 
@@ -97,8 +92,7 @@ class Local:
         self.cores = cores
         self._patience = patience
         self._children = Children(min(cores, simulations))
-        self._here = Semaphore(HERE)
-        self._began = monotonic()
+        self._here = Lock()
         self._threads = ThreadPoolExecutor(cores)
 
     def submit(self, task: Task) -> Any:
@@ -109,7 +103,7 @@ class Local:
         """Do nothing: this machine is here."""
 
     def _solve(self, task: Task) -> object:
-        if task.safe and self._here.acquire(blocking=monotonic() < self._began + START):
+        if task.safe and self._here.acquire(blocking=False):
             try:
                 return answer(task)
             finally:
