@@ -46,12 +46,16 @@ class Plan:
 
 @dataclass(frozen=True)
 class Part:
-    """What a section makes: `files` by name, what they say in `sentences`, and what failed."""
+    """What a section makes: `files` by name, what they say in `sentences`, and what failed.
+
+    `rows` for the history beside those of `studies`.
+    """
 
     files: dict[str, bytes]
     sentences: Sequence[str]
     studies: tuple[Study, ...] = ()
     failures: Mapping[tuple[str, str], str] | None = None
+    rows: Sequence[Mapping[str, Any]] = ()
 
 
 Done = Callable[[str], None]

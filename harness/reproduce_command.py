@@ -1,6 +1,8 @@
 """`rps-bench reproduce`: the main job, or some of its parts."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -34,6 +36,7 @@ def reproduce(request: Request, only: str | None) -> int:
     folder = request.folder or Path("results")
     written = 0
     studies: list[Study] = []
+    timed: list[Mapping[str, Any]] = []
     failures: dict[tuple[str, str], str] = {}
     with progress(sum(section.steps(plan) for section in sections)) as done:
         for section, part in make(sections, plan, done):
@@ -42,6 +45,7 @@ def reproduce(request: Request, only: str | None) -> int:
             text = page(SECTIONS, known, section, part)
             written += len(write_all(folder, part.files | {SUMMARY: text.encode()}))
             studies += part.studies
+            timed += part.rows
             failures |= part.failures or {}
             click.echo(f"{section.title}:")
             for line in part.sentences:
@@ -50,4 +54,4 @@ def reproduce(request: Request, only: str | None) -> int:
     # Sections share models: what a study says failed is said once, by `finish`.
     said = {key for study in studies for key in study.failures}
     ended = status({key: why for key, why in failures.items() if key not in said})
-    return max(ended, finish(request.history, *studies))
+    return max(ended, finish(request.history, *studies, more=timed))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 
-from analytic import Modes
+from analytic import Mechanism, Modes
 from analytic.pairing import Pairing, pair
 from harness.cases import Case
 from harness.models import Spec, takes_shear
@@ -88,7 +88,7 @@ def rows(study: Study) -> list[dict[str, Any]]:
     result = []
     chosen = {spec: settings(spec, study.count + SPARE) for spec in study.specs}
     for case in study.cases:
-        mechanism = sha256(repr(case.mechanism).encode()).hexdigest()[:12]
+        mechanism = mechanism_hash(case.mechanism)
         answered = [spec for spec in study.specs if study.get(case, spec) is not None]
         for spec in answered:
             modes = study.modes[case.name, spec.label]
@@ -117,6 +117,11 @@ def rows(study: Study) -> list[dict[str, Any]]:
                 for i in range(study.count)
             ]
     return result
+
+
+def mechanism_hash(mechanism: Mechanism) -> str:
+    """Return what names a mechanism's parameters, all of them, in twelve digits."""
+    return sha256(repr(mechanism).encode()).hexdigest()[:12]
 
 
 def settings(spec: Spec, count: int) -> str:

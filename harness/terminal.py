@@ -1,9 +1,10 @@
 """What a command shows and writes: tables, progress, files and failures."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -63,10 +64,11 @@ def status(failures: dict[tuple[str, str], str]) -> int:
     return 1 if failures else 0
 
 
-def finish(history: Path | None, *studies: Study) -> int:
+def finish(history: Path | None, *studies: Study, more: Sequence[Mapping[str, Any]] = ()) -> int:
     """Say what failed in `studies`, append their rows to the history; return the exit status.
 
-    Comes last in a command: where the history cannot be written, nothing else is lost.
+    `more` rows of the same form are appended as they are. Comes last in a command: where the
+    history cannot be written, nothing else is lost.
     """
     ended = status({key: why for study in studies for key, why in study.failures.items()})
     if history is None:
@@ -77,8 +79,8 @@ def finish(history: Path | None, *studies: Study) -> int:
         for study in reversed(studies)
         for row in rows(study)
     }
-    if found:
+    if found or more:
         from harness.history.store import append
 
-        append(history, list(found.values()), as_typed())
+        append(history, [*found.values(), *more], as_typed())
     return ended

@@ -1,7 +1,6 @@
 """The rows of a sweep: one a pose, model and mode, made from the finished jobs."""
 
 from collections.abc import Iterator
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import polars as pl
 from numpy.typing import NDArray
 
 from harness.models import Spec
+from harness.run import mechanism_hash
 from harness.sweep.frames import write_frames
 from harness.sweep.jobs import Answer, Job
 from harness.sweep.journal import Journal
@@ -43,7 +43,7 @@ def export(
 
     SI units; flat in memory.
     """
-    mechanism = sha256(repr(sweep.mechanism).encode()).hexdigest()[:12]
+    mechanism = mechanism_hash(sweep.mechanism)
 
     def frames() -> Iterator[pl.DataFrame]:
         for spec in sweep.specs:
