@@ -14,6 +14,7 @@ from analytic import InputError
 from analytic.theory import BEAMS, Theory
 from harness.case_file import load_cases
 from harness.cases import Case, select
+from harness.history_option import takes_history as takes_history
 from harness.models import Spec, parse, parse_analytic
 from reference_models import UnavailableError, catalogue
 
@@ -184,24 +185,6 @@ def _taking(
     for name, (metavar, text) in reversed(options.items()):
         typed = click.option(f"--{name}", metavar=metavar, help=text)(typed)
     return typed
-
-
-def takes_history(command: Callable[..., int]) -> Callable[..., int]:
-    """Give a command the option --history, as a folder or None where no history is kept."""
-    return click.option(
-        "--history",
-        metavar="DIR",
-        envvar="RPS_BENCH_HISTORY",
-        default="history",
-        callback=lambda _context, _option, text: _history(text),
-        help="Folder of the history of runs, or none; default history, or $RPS_BENCH_HISTORY.",
-    )(command)
-
-
-def _history(text: str) -> Path | None:
-    if text == "" or Path(text).is_file():
-        raise InputError("--history", text, "the name of a folder, or none")
-    return None if text == "none" else Path(text)
 
 
 WRITES = ("output", "history", "json", "markdown", "junit")

@@ -1,7 +1,8 @@
 """A process of its own for what may crash or hang; it costs no more than the job it holds.
 
 Started as a program, not by `multiprocessing`: that works inside a Dask worker too, and the
-environment is set before numpy is imported.
+environment is set before numpy is imported. Loads nothing heavy itself, so that a process can be
+started first and loads while its parent does.
 """
 
 import math
@@ -14,10 +15,8 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from threading import Lock
 
-from analytic.errors import InputError
-from harness.sweep.jobs import Failure, Task
+from harness.sweep.task import Failure, Task
 from harness.threads import ONE_THREAD
-from reference_models import ModelError, UnavailableError
 
 START = 120.0
 """A process that is not ready after this many seconds never will be."""
@@ -82,14 +81,21 @@ class Child:
 class Children:
     """The processes of one parent, kept for the next job; any number of threads may ask.
 
-    `ready` of them are started at once, the others when there is a job for them.
+    One is started when there is a job for it, if not before.
     """
 
-    def __init__(self, ready: int = 0) -> None:
-        self._idle = [Child() for _ in range(ready)]
-        self._all = set(self._idle)
+    def __init__(self) -> None:
+        self._idle: list[Child] = []
+        self._all: set[Child] = set()
         self._lock = Lock()
         self._closed = False
+
+    def start(self, number: int) -> None:
+        """Start processes ahead of their jobs until there are `number`."""
+        with self._lock:
+            new = [Child() for _ in range(number - len(self._all))]
+            self._idle += new
+            self._all.update(new)
 
     def attempt(self, task: Task, limit: float, tries: int) -> object:
         """Solve `task`; where its process dies, try anew up to `tries` times, then say why."""
@@ -134,6 +140,9 @@ class Children:
 
 def answer(task: Task) -> object:
     """Solve `task` in this process; what the model raises becomes a `Failure`."""
+    from analytic.errors import InputError
+    from reference_models import ModelError, UnavailableError
+
     try:
         return task.solve()
     except (ModelError, UnavailableError, InputError) as error:
@@ -143,6 +152,8 @@ def answer(task: Task) -> object:
 
 
 def _serve(line: Connection) -> None:
+    import harness.sweep.jobs  # noqa: F401  what every task needs: before it is ready
+
     with line, suppress(EOFError, BrokenPipeError):
         line.send("ready")
         while True:

@@ -7,7 +7,7 @@ from typing import Any
 from analytic import InputError
 from harness.sweep.child import Children
 from harness.sweep.engine import Patience
-from harness.sweep.jobs import Task
+from harness.sweep.task import Task
 
 REACH = 10.0
 """Seconds that a scheduler, or its last worker, may be out of reach."""

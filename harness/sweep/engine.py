@@ -9,7 +9,7 @@ from threading import Lock
 from typing import Any, Protocol, TypeVar
 
 from harness.sweep.child import Children, answer
-from harness.sweep.jobs import Failure, Task
+from harness.sweep.task import Failure, Task
 
 LOOK = 1.0
 """Seconds without a finished job after which the engine is asked whether there is hope."""
@@ -86,12 +86,20 @@ class Local:
     One analytic task at a time runs in this process, which is ready at once; the others run in
     processes too, for on threads of one process they wait for each other's interpreter.
     `simulations`: how many jobs will need a process; as many as can be of use are started at once.
+    `children`: its processes, some of which may have been started already.
     """
 
-    def __init__(self, cores: int, patience: Patience, simulations: int = 0) -> None:
+    def __init__(
+        self,
+        cores: int,
+        patience: Patience,
+        simulations: int = 0,
+        children: Children | None = None,
+    ) -> None:
         self.cores = cores
         self._patience = patience
-        self._children = Children(min(cores, simulations))
+        self._children = Children() if children is None else children
+        self._children.start(min(cores, simulations))
         self._here = Lock()
         self._threads = ThreadPoolExecutor(cores)
 
@@ -119,15 +127,19 @@ class Local:
 
 @contextmanager
 def engine(
-    cores: int, scheduler: str | None, patience: Patience, simulations: int = 0
+    cores: int,
+    scheduler: str | None,
+    patience: Patience,
+    simulations: int = 0,
+    children: Children | None = None,
 ) -> Iterator[Engine]:
     """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
 
-    `simulations` as for `Local`.
+    `simulations` and `children` as for `Local`.
     """
     chosen: Any
     if scheduler is None:
-        chosen = Local(cores, patience, simulations)
+        chosen = Local(cores, patience, simulations, children)
     else:
         from harness.sweep.cluster import Cluster
 

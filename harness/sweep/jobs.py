@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from time import perf_counter
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,26 +35,6 @@ class Answer:
     theory: str
     dofs: int
     seconds: float
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Why a job has no answer."""
-
-    reason: str
-
-
-class Task(Protocol):
-    """What an engine runs: a job, or anything else that knows how to solve itself."""
-
-    @property
-    def safe(self) -> bool:
-        """Whether it can neither crash nor hang."""
-        ...
-
-    def solve(self) -> object:
-        """Return the answer, or raise what the model raises."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The rows of a sweep: one a pose, model and mode, made from the finished jobs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +8,14 @@ import polars as pl
 from numpy.typing import NDArray
 
 from harness.models import Spec
-from harness.run import mechanism_hash
+from harness.run import mechanism_hash, settings
 from harness.sweep.frames import write_frames
 from harness.sweep.jobs import Answer, Job
 from harness.sweep.journal import Journal
-from harness.sweep.sweep import Finished, Sweep, answers
+from harness.sweep.sweep import Finished, Sweep, Timing, answers
 
+CASE = "sweep"
+"""What the history calls poses that have no name."""
 ROWS = {
     "pose": pl.Int64,
     "z_m": pl.Float64,
@@ -36,10 +38,9 @@ def export(
     journal: Journal,
     finished: Finished,
     modes: list[int],
-    folder: Path,
-    suffix: str,
-) -> Path:
-    """Write one row a pose, model and mode into `folder` as blocks of poses are finished.
+    file: Path,
+) -> None:
+    """Write one row a pose, model and mode into `file` as blocks of poses are finished.
 
     SI units; flat in memory.
     """
@@ -53,7 +54,19 @@ def export(
                 if found:
                     yield _frame(spec, mechanism, found, np.array(modes))
 
-    return write_frames(folder, f"frequencies.{suffix}", frames(), ROWS)
+    write_frames(file.parent, file.name, frames(), ROWS)
+
+
+def records(sweep: Sweep, timings: Mapping[Spec, Timing], file: Path) -> pl.LazyFrame:
+    """Return what `export` wrote into `file` as rows of the history; `solve_s` is a median."""
+    scan = pl.scan_parquet(file) if file.suffix == ".parquet" else pl.scan_csv(file, schema=ROWS)
+    chosen = {spec.label: settings(spec, sweep.count) for spec in sweep.specs}
+    seconds = {spec.label: timings[spec].usual for spec in sweep.specs}
+    return scan.drop("pose").with_columns(
+        case=pl.lit(CASE),
+        settings=pl.col("model").replace_strict(chosen, return_dtype=pl.String),
+        solve_s=pl.col("model").replace_strict(seconds, return_dtype=pl.Float64),
+    )
 
 
 def _frame(

@@ -12,8 +12,9 @@ from analytic import Mechanism, Pose
 from analytic.condensed import CHUNK
 from harness.models import Spec
 from harness.sweep.engine import Engine, run
-from harness.sweep.jobs import BATCH, Answer, Failure, Job, jobs
+from harness.sweep.jobs import BATCH, Answer, Job, jobs
 from harness.sweep.journal import Journal
+from harness.sweep.task import Failure
 from harness.tables import Cell, Number, Table
 
 FAILURES_SHOWN = 3
@@ -89,9 +90,17 @@ Failures = dict[tuple[str, str], list[int]]
 """Numbers of the poses without an answer, by model and reason."""
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a run: `failures`, and how many jobs were `solved`, not found in the journal."""
+
+    failures: Failures
+    solved: int
+
+
 def complete(
     sweep: Sweep, journal: Journal, engine: Engine, listeners: Sequence[Callable[[Job], None]]
-) -> Failures:
+) -> Outcome:
     """Run what is not in the journal; `listeners` hear of each finished job."""
 
     def tell(job: Job) -> None:
@@ -107,14 +116,16 @@ def complete(
                     yield job
 
     failures: Failures = {}
+    solved = 0
     for job, result in run(engine, missing()):
         if isinstance(result, Failure):
             numbers = range(job.start + 1, job.start + 1 + len(job.poses))
             failures.setdefault((job.spec.label, result.reason), []).extend(numbers)
         else:
             journal.put(job, result)
+            solved += 1
         tell(job)
-    return {key: sorted(numbers) for key, numbers in sorted(failures.items())}
+    return Outcome({key: sorted(numbers) for key, numbers in sorted(failures.items())}, solved)
 
 
 def seconds_a_pose(sweep: Sweep, spec: Spec, engine: Engine) -> float | Failure:
@@ -139,9 +150,18 @@ def answers(
             yield job, answer
 
 
-def timing_table(sweep: Sweep, journal: Journal) -> Table:
-    """What each model itself took, over all runs into this folder."""
-    rows: list[tuple[Cell, ...]] = []
+@dataclass(frozen=True)
+class Timing:
+    """What a model itself took over all runs into a folder: seconds in all, and usually a pose."""
+
+    poses: int
+    total: float
+    usual: float | None
+
+
+def timings(sweep: Sweep, journal: Journal) -> dict[Spec, Timing]:
+    """Return what each model took."""
+    found = {}
     for spec in sweep.specs:
         poses, each, total = 0, [], 0.0
         for start, stop in sweep.blocks():
@@ -149,8 +169,16 @@ def timing_table(sweep: Sweep, journal: Journal) -> Table:
                 poses += len(job.poses)
                 each.append(answer.seconds / len(job.poses))
                 total += answer.seconds
-        usual = Number(1e3 * median(each), 4) if each else "-"
-        rows.append((spec.label, poses, Number(total, 2), usual))
+        found[spec] = Timing(poses, total, median(each) if each else None)
+    return found
+
+
+def timing_table(found: dict[Spec, Timing]) -> Table:
+    """What each model itself took, over all runs into this folder."""
+    rows: list[tuple[Cell, ...]] = []
+    for spec, timing in found.items():
+        usual = "-" if timing.usual is None else Number(1e3 * timing.usual, 4)
+        rows.append((spec.label, timing.poses, Number(timing.total, 2), usual))
     notes = ("ms a pose: the median; seconds: all, with what each process loads for its first job",)
     return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows), notes)
 

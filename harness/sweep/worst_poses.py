@@ -10,9 +10,10 @@ from analytic.pairing import pair
 from harness.models import Spec
 from harness.sweep.engine import Engine, run
 from harness.sweep.error_map import Errors
-from harness.sweep.jobs import Failure, built
+from harness.sweep.jobs import built
 from harness.sweep.pose_sets import written
 from harness.sweep.sweep import Sweep
+from harness.sweep.task import Failure
 from harness.tables import Cell, Number, Table
 
 Floats = NDArray[np.float64]

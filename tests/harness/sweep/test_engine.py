@@ -18,7 +18,8 @@ from analytic import Mechanism, Pose, condensed_frequencies
 from harness.models import Spec
 from harness.sweep.child import Children
 from harness.sweep.engine import AHEAD, Local, Patience, engine, run
-from harness.sweep.jobs import BATCH, Answer, Failure, Job, jobs
+from harness.sweep.jobs import BATCH, Answer, Job, jobs
+from harness.sweep.task import Failure
 
 FINE, SLOW, CRASH, HANG, REFUSE, FLAKY, BUG, EXIT = range(1, 9)
 Z = np.array([0.4, 0.5, 0.6])
