@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from functools import lru_cache
 from hashlib import sha256
 from typing import Any
 
@@ -88,45 +89,59 @@ def rows(study: Study) -> list[dict[str, Any]]:
     result = []
     chosen = {spec: settings(spec, study.count + SPARE) for spec in study.specs}
     for case in study.cases:
-        mechanism = mechanism_hash(case.mechanism)
         answered = [spec for spec in study.specs if study.get(case, spec) is not None]
         for spec in answered:
             modes = study.modes[case.name, spec.label]
-            uncertainty = modes.uncertainty
+            found = mode_rows(case, spec, chosen[spec], modes, study.count)
             pairing = study.pairing(case, spec, answered[0]) if spec != answered[0] else None
-            result += [
-                {
-                    "case": case.name,
-                    "mechanism": mechanism,
-                    "z_m": case.pose.z,
-                    "azimuth_rad": case.pose.azimuth,
-                    "tilt_rad": case.pose.tilt,
-                    "model": spec.label,
-                    "theory": modes.theory,
-                    "settings": chosen[spec],
-                    "version": modes.version,
-                    "mode": i + 1,
-                    "frequency_hz": float(modes.frequencies[i]),
-                    "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
-                    "assurance": None if pairing is None else float(pairing.assurance[i]),
-                    "closure_m": modes.residual,
-                    "dofs": modes.dofs,
-                    "build_s": modes.build_seconds,
-                    "solve_s": modes.solve_seconds,
-                }
-                for i in range(study.count)
-            ]
+            if pairing is not None:
+                for row, assurance in zip(found, pairing.assurance.tolist(), strict=True):
+                    row["assurance"] = assurance
+            result += found
     return result
 
 
+def mode_rows(
+    case: Case, spec: Spec, settings: str, modes: Modes, count: int
+) -> list[dict[str, Any]]:
+    """Return one tidy row for each of the first `count` modes of `spec` at a case; SI units."""
+    uncertainty = modes.uncertainty
+    return [
+        {
+            "case": case.name,
+            "mechanism": mechanism_hash(case.mechanism),
+            "z_m": case.pose.z,
+            "azimuth_rad": case.pose.azimuth,
+            "tilt_rad": case.pose.tilt,
+            "model": spec.label,
+            "theory": modes.theory,
+            "settings": settings,
+            "version": modes.version,
+            "mode": i + 1,
+            "frequency_hz": float(modes.frequencies[i]),
+            "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
+            "assurance": None,
+            "closure_m": modes.residual,
+            "dofs": modes.dofs,
+            "build_s": modes.build_seconds,
+            "solve_s": modes.solve_seconds,
+        }
+        for i in range(count)
+    ]
+
+
+@lru_cache(maxsize=64)
 def mechanism_hash(mechanism: Mechanism) -> str:
     """Return what names a mechanism's parameters, all of them, in twelve digits."""
     return sha256(repr(mechanism).encode()).hexdigest()[:12]
 
 
-def settings(spec: Spec, count: int) -> str:
-    """Return as JSON what a model's label leaves out: the modes solved for, its kappa if any."""
+def settings(spec: Spec, count: int, **how: Any) -> str:
+    """Return as JSON what a model's label leaves out: the modes solved for, its kappa if any.
+
+    `how`: what else tells a way of solving it from others.
+    """
     chosen: dict[str, Any] = {"count": count}
     if spec.name == "timoshenko" or (spec.name in names() and takes_shear(spec.name)):
         chosen["shear"] = spec.shear
-    return json.dumps(chosen)
+    return json.dumps(chosen | how)
