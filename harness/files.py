@@ -2,6 +2,8 @@
 
 import os
 import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -16,24 +18,40 @@ def write_all(directory: Path, files: dict[str, bytes], option: str = "--output"
     `OutputError` with the reason and the `option` that names the folder, leaving what was there
     before.
     """
-    staged: list[tuple[Path, Path]] = []
-    try:
-        for name, content in files.items():
-            target = directory / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-            staged.append((Path(temporary), target))
-            with os.fdopen(handle, "wb") as file:
+    targets = [directory / name for name in files]
+    with staged(directory, files, option) as temporary:
+        for path, content in zip(temporary, files.values(), strict=True):
+            with path.open("wb") as file:
                 file.write(content)
                 file.flush()
                 os.fsync(file.fileno())
-            Path(temporary).chmod(0o644)
-        for temporary_path, target in staged:
-            temporary_path.replace(target)
+        for path, target in zip(temporary, targets, strict=True):
+            path.replace(target)
+    return targets
+
+
+@contextmanager
+def staged(
+    directory: Path, names: Iterable[str], option: str = "--output"
+) -> Iterator[tuple[Path, ...]]:
+    """Yield an empty file beside each of `names` in `directory`: to fill and to rename.
+
+    What has not been renamed at the end is removed. Raises `OutputError` for any `OSError` inside,
+    with the reason and the `option` that names the folder.
+    """
+    temporary: list[Path] = []
+    try:
+        for name in names:
+            target = directory / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            handle, path = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+            temporary.append(Path(path))
+            os.fchmod(handle, 0o644)
+            os.close(handle)
+        yield tuple(temporary)
     except OSError as error:
         reason = error.strerror or str(error)
         raise OutputError(f"{option} = {str(directory)!r}: cannot write there ({reason})") from None
     finally:
-        for temporary_path, _ in staged:
-            temporary_path.unlink(missing_ok=True)
-    return [target for _, target in staged]
+        for staging in temporary:
+            staging.unlink(missing_ok=True)

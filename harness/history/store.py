@@ -6,20 +6,20 @@ damaged or foreign, and skipped. (Parquet itself notices less than half of all f
 
 import atexit
 import gc
-import io
 import re
 import secrets
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from glob import escape
-from hashlib import sha256
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
 import polars as pl
 
 from analytic import InputError
-from harness.files import write_all
+from harness.files import staged
+from harness.frames import sink
 from harness.history.provenance import provenance
 
 COLUMNS = {
@@ -66,32 +66,42 @@ _NAME = re.compile(r"\d{8}-\d{6}\.\d{6}-[0-9a-f]{6}\.([0-9a-f]{16})\.parquet")
 
 
 def append(
-    folder: Path, rows: Sequence[Mapping[str, Any]], command: str, time: datetime | None = None
+    folder: Path,
+    rows: Sequence[Mapping[str, Any]] | pl.LazyFrame,
+    command: str,
+    time: datetime | None = None,
 ) -> Path:
     """Write the rows of one run as a file of its own and return it; safe in many processes at once.
 
-    `rows` as of `harness.run.rows`; a value a row gives itself (a commit, a machine) wins over this
-    process's. `time` is now unless given. What is not finite becomes null. Raises `OutputError`
-    where the folder cannot be written.
+    `rows` as of `harness.run.rows`, or a frame with any of `COLUMNS`, which is never in memory as a
+    whole. A value they give themselves (a commit, a machine; also null) wins over this process's.
+    `time` is now unless given. What is not finite becomes null. Raises `OutputError` where the
+    folder cannot be written.
     """
     # Without a zone: DuckDB needs an extension, from the network, to reckon with zones.
     time = (time or datetime.now(UTC)).astimezone(UTC).replace(tzinfo=None)
     run = f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
     own = {**provenance(), "command": command}
-    records = [{**own, **row, "run": run, "time": time} for row in rows]
-    finite = pl.selectors.float()
-    frame = pl.DataFrame(records, schema=SCHEMA).with_columns(
-        pl.when(finite.is_finite()).then(finite)
+    if not isinstance(rows, pl.LazyFrame):
+        rows = pl.LazyFrame([{**own, **row} for row in rows], SCHEMA)
+    given = rows.drop("run", "time", strict=False).collect_schema()
+    known = {**own, "run": run, "time": time}
+    table = rows.select(
+        (pl.col(name) if name in given else pl.lit(known.get(name))).cast(kind).alias(name)
+        for name, kind in SCHEMA.items()
     )
-    content = io.BytesIO()
-    frame.write_parquet(content, statistics=False)
-    name = f"{run}.{_checksum(content.getvalue())}.parquet"
-    (path,) = write_all(folder, {name: content.getvalue()}, "--history")
+    finite = pl.selectors.float()
+    table = table.with_columns(pl.when(finite.is_finite()).then(finite))
+    with staged(folder, [run], "--history") as (temporary,):
+        sink(table, temporary, ".parquet")
+        path = folder / f"{run}.{_checksum(temporary)}.parquet"
+        temporary.replace(path)
     return path
 
 
-def _checksum(content: bytes) -> str:
-    return sha256(content).hexdigest()[:16]
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()[:16]
 
 
 class History:
@@ -172,12 +182,14 @@ def _columns(path: Path) -> set[str]:
     if named is None:
         raise _FlawError("not written by rps-bench: its name is not RUN.CHECKSUM.parquet")
     try:
-        content = path.read_bytes()
+        size = path.stat().st_size
+        whole = _checksum(path) == named[1]
     except OSError as error:
         raise _FlawError(f"cannot be read ({error.strerror})") from None
-    if _checksum(content) != named[1]:
-        raise _FlawError(f"damaged: {len(content)} bytes that are not those that were written")
-    schema = pl.read_parquet_schema(io.BytesIO(content))
+    if not whole:
+        raise _FlawError(f"damaged: {size} bytes that are not those that were written")
+    with path.open("rb") as file:  # its name may look like a pattern
+        schema = pl.read_parquet_schema(file)
     for name in NEEDED:
         if name not in schema:
             raise _FlawError(f"of another release: it has no column {name}")

@@ -4,6 +4,8 @@ import errno
 import multiprocessing
 import os
 import random
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
@@ -70,6 +72,37 @@ def test_what_is_not_finite_is_null(tmp_path: Path) -> None:
     for name in ("uncertainty_hz", "closure_m", "assurance", "tilt_rad", "solve_s"):
         assert found[name] is None, name
     assert found["frequency_hz"] == 100.0
+
+
+def test_a_frame_is_appended_as_rows_are(tmp_path: Path) -> None:
+    """Whatever the types and the order of its columns; what it has beside COLUMNS is left out."""
+    rows = [
+        {**row, "uncertainty_hz": value, "commit": commit, "theory": None}
+        for row, value, commit in zip(
+            some_rows(count=3), (float("nan"), float("inf"), 0.5), ("a", None, "b"), strict=True
+        )
+    ]
+    frame = pl.LazyFrame(rows).with_columns(
+        pl.col("mode").cast(pl.UInt8), pl.col("frequency_hz").cast(pl.Float32),
+        pl.col("model").cast(pl.Categorical), pose=7, run=pl.lit("mine"), time=pl.lit("now"),
+    )  # fmt: skip
+    when = datetime(2026, 1, 1, tzinfo=UTC)
+    paths = [append(tmp_path, given, "sweep", when) for given in (rows, frame.select(pl.all()))]
+    first, second = (pl.read_parquet(path) for path in paths)
+    assert first.schema == second.schema == pl.Schema(store.SCHEMA)
+    assert second.drop("run").equals(first.drop("run"))
+    assert second["commit"].to_list() == ["a", None, "b"]
+    assert second["uncertainty_hz"].to_list() == [None, None, 0.5]
+    assert second["machine"].unique().to_list() == [provenance()["machine"]]
+    assert [path.name[:29] for path in paths] == [f["run"][0] for f in (first, second)]
+
+
+def test_constant_columns_cost_next_to_nothing(tmp_path: Path) -> None:
+    """The text of a row is 300 characters, the same in every row."""
+    frame = pl.LazyFrame({"mode": [1], "frequency_hz": [0.0]}).select(pl.all().repeat_by(300_000))
+    path = append(tmp_path, frame.explode("mode", "frequency_hz"), "sweep " + 200 * "x")
+    assert pl.scan_parquet(path).select(pl.len()).collect().item() == 300_000
+    assert path.stat().st_size < 30_000
 
 
 def test_no_host_and_no_user_is_kept() -> None:
@@ -195,7 +228,7 @@ def write_as_another_release(folder: Path, frame: pl.DataFrame) -> Path:
     """A file that is whole, of a release with other columns."""
     staged = folder / "staged"
     frame.write_parquet(staged)
-    checksum = store._checksum(staged.read_bytes())
+    checksum = store._checksum(staged)
     path = folder / f"20250101-000000.000000-abcdef.{checksum}.parquet"
     staged.rename(path)
     return path
@@ -251,6 +284,32 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OutputError, match=r"--history = .*cannot write there \(No space left"):
         append(tmp_path, some_rows(), "table")
+    assert list(tmp_path.iterdir()) == []
+
+
+FILLING = """
+import resource, signal, sys
+from pathlib import Path
+import polars as pl
+from harness.files import OutputError
+from harness.history.store import append
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+frame = pl.LazyFrame({"mode": pl.int_range(100_000, eager=True)})
+try:
+    append(Path(sys.argv[1]), frame.with_columns(frequency_hz=pl.col("mode").sqrt()), "sweep")
+except OutputError as error:
+    print(error)
+"""
+
+
+def test_a_disk_that_is_full_halfway_leaves_nothing(tmp_path: Path) -> None:
+    """A limit that the system sets a file stands for the end of the disk."""
+    ended = subprocess.run(
+        [sys.executable, "-c", FILLING, str(tmp_path)], capture_output=True, text=True, check=False
+    )
+    expected = f"--history = {str(tmp_path)!r}: cannot write there (File too large)\n"
+    assert (ended.stdout, ended.stderr) == (expected, "")
     assert list(tmp_path.iterdir()) == []
 
 

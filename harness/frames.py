@@ -1,0 +1,32 @@
+"""Long tables on their way to disk, in memory for a piece after the other."""
+
+import os
+import re
+from pathlib import Path
+
+import polars as pl
+
+ROW_GROUP = 100_000
+_REASON = re.compile(r"\(os error (\d+)\)|\[Errno (\d+)\]")
+
+
+def sink(table: pl.LazyFrame, path: Path, suffix: str) -> None:
+    """Write `table` to `path` as .parquet or .csv, by `suffix`, and wait until it is on the disk.
+
+    Raises `OSError` for what the system refused, which polars tells only in the text of an error.
+    """
+    # Opened here: polars would take some names for patterns or addresses.
+    with path.open("wb") as file:
+        try:
+            if suffix == ".parquet":
+                # DuckDB skips as fast without statistics, which are a third of a small file.
+                table.sink_parquet(file, row_group_size=ROW_GROUP, statistics=False)
+            else:
+                table.sink_csv(file)
+        except (OSError, pl.exceptions.PolarsError) as error:
+            told = _REASON.search(str(error))
+            if told is None:
+                raise
+            number = int(told[1] or told[2])
+            raise OSError(number, os.strerror(number)) from None
+        os.fsync(file.fileno())
