@@ -112,6 +112,7 @@ class CostRequest:
     repeats: str | None
     batches: str | None
     output: str | None
+    history: Path | None
 
     @property
     def steps(self) -> list[int]:
@@ -175,7 +176,8 @@ def takes_request(command: Callable[..., int]) -> Callable[..., int]:
 
 def takes_cost_request(command: Callable[[CostRequest], int]) -> Callable[..., int]:
     """Give a command the options of `CostRequest`."""
-    return _taking(_COST_HELP, lambda **given: command(CostRequest(**given)), command)
+    typed = takes_history(lambda **given: command(CostRequest(**given)))
+    return _taking(_COST_HELP, typed, command)
 
 
 def _taking(

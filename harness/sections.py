@@ -152,7 +152,8 @@ def precision(plan: Plan, done: Done) -> Part:
     from harness.precision.work_precision import STEPS, work_precision
 
     result = work_precision(plan.cases, STEPS, plan.names, solid_truth(), ROUNDS, done)
-    return Part(precision_files(result), precision_sentences(result), failures=result.failures)
+    said = precision_sentences(result)
+    return Part(precision_files(result), said, (result.study,), result.failures, result.rows)
 
 
 def _precision_steps(plan: Plan) -> int:
@@ -168,7 +169,8 @@ def cost(plan: Plan, done: Done) -> Part:
 
     beams = [name for name in plan.names if not name.endswith(("solid", "averaged", "ffrf"))]
     result = measure(COST_STEPS, beams, BATCHES, ROUNDS, done)
-    return Part(cost_files(result), cost_sentences(result), failures=result.failures)
+    said = cost_sentences(result)
+    return Part(cost_files(result), said, failures=result.failures, rows=result.rows)
 
 
 def _command(

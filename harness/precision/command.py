@@ -1,12 +1,14 @@
 """`rps-bench work-precision`: time against error, and the cheapest way to a precision."""
 
+from pathlib import Path
+
 import click
 
 from analytic import InputError
 from analytic.theory import BEAMS
 from harness.models import parse
-from harness.options import CostRequest, Request
-from harness.terminal import progress, show, status, write
+from harness.options import CostRequest, Request, takes_history
+from harness.terminal import finish, progress, show, status, write
 
 
 @click.command(name="work-precision")
@@ -17,6 +19,7 @@ from harness.terminal import progress, show, status, write
 @click.option("--truth", metavar="NAME", help="Solid model to judge by; default calculix-solid.")
 @click.option("--repeats", metavar="N", help="How often everything is timed; default 5.")
 @click.option("--output", metavar="DIR", help="Folder to write tables and the figure to.")
+@takes_history
 def precision(
     cases: str | None,
     case_file: str | None,
@@ -25,6 +28,7 @@ def precision(
     truth: str | None,
     repeats: str | None,
     output: str | None,
+    history: Path | None,
 ) -> int:
     """Time against error for every model: what an element costs and buys.
 
@@ -36,9 +40,8 @@ def precision(
     from harness.precision.ways import TRUTHS, solid_truth, theory_of
     from harness.precision.work_precision import STEPS, truths, work_precision
 
-    nothing = dict.fromkeys(("references", "modes", "model", "shear", "history"))
-    asked = Request(cases=cases, case_file=case_file, elements=elements, output=output, **nothing)
-    timed = CostRequest(elements, references, repeats or "5", None, output)
+    asked = Request(cases, case_file, None, elements, None, None, None, output, history)
+    timed = CostRequest(elements, references, repeats or "5", None, output, history)
     chosen, programs, rounds = asked.chosen, timed.programs, timed.rounds
     steps = asked.steps(",".join(map(str, STEPS)))
     solid = solid_truth() if truth is None else parse(truth, "--truth")
@@ -49,4 +52,6 @@ def precision(
         result = work_precision(chosen, steps, programs, solid, rounds, done)
     show(*precision_tables(result).values())
     write(asked.folder, precision_files(result) if asked.folder is not None else {})
-    return status(result.failures)
+    # The truths' study says itself what of it failed.
+    others = {k: why for k, why in result.failures.items() if k not in result.study.failures}
+    return max(status(others), finish(history, result.study, more=result.rows))

@@ -24,9 +24,11 @@ from analytic import (
 )
 from analytic.kernel import compiled
 from harness.cases import PRESETS, Case
-from harness.models import PAPER_ELEMENTS, parse
+from harness.models import PAPER_ELEMENTS, Spec, parse
+from harness.precision.solved import Solved
 from reference_models import ModelError, UnavailableError, reference
 
+THEORY = "euler-bernoulli"
 CASE = "case2"
 COUNT = 6
 LONG = 0.5
@@ -38,6 +40,8 @@ ENDLESS = 2.0
 SAMPLE = 0.01
 """Shorter runs are repeated within one measurement until they fill this time [s]."""
 
+TIMED = "cost"
+"""What the history calls this way of timing."""
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 
@@ -46,7 +50,8 @@ FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 class Job:
     """One thing to time: `model` at `size` (elements a limb, or poses a call), by `run`.
 
-    `poses` that one run answers for; `growing`: whether larger sizes may be left out.
+    `poses` that one run answers for; `growing`: whether larger sizes may be left out; `solved`:
+    what it is in the history, or None.
     """
 
     model: str
@@ -54,13 +59,15 @@ class Job:
     run: Callable[[], Any]
     poses: int = 1
     growing: bool = False
+    solved: Solved | None = None
 
 
 @dataclass(frozen=True)
 class Timing:
     """Seconds a pose and their ratio to the yardstick of the same round, both (repeats,).
 
-    `dofs` solved for, and `solving`: the seconds of a run that its eigen-solution took, if known.
+    `dofs` solved for, and `solving`: the seconds of a run that its eigen-solution took, if known;
+    `rows` of what it answered, for the history.
     """
 
     model: str
@@ -69,6 +76,7 @@ class Timing:
     solving: float | None
     seconds: NDArray[np.float64]
     ratios: NDArray[np.float64]
+    rows: Sequence[dict[str, Any]] = ()
 
 
 @dataclass(frozen=True)
@@ -97,6 +105,13 @@ class Cost:
     repeats: int
     left_out: dict[str, str]
     failures: dict[tuple[str, str], str]
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """All that was solved, for the history: a row a model, way and mode."""
+        stand_in = [] if self.stand_in is None else [self.stand_in]
+        timings = [self.yardstick, *self.elements, *stand_in, *self.batches]
+        return [row for timing in timings for row in timing.rows]
 
 
 def measure(
@@ -173,7 +188,14 @@ def growth(timings: Sequence[Timing], least: int = 1) -> list[Growth]:
 def _yardstick(case: Case) -> Job:
     pair = Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)
     K, M = (matrix.toarray() for matrix in pair)
-    return Job(YARDSTICK, None, partial(scipy.linalg.eigh, K, M))
+    spec, version = Spec(THEORY, PAPER_ELEMENTS), f"scipy {scipy.__version__}"
+    solved = Solved(spec, case, YARDSTICK, TIMED, read=_hertz, version=version)
+    return Job(YARDSTICK, None, partial(scipy.linalg.eigh, K, M), solved=solved)
+
+
+def _hertz(pair: tuple[NDArray[np.float64], NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the lowest frequencies [Hz] of squares [rad^2/s^2] and vectors."""
+    return np.asarray(np.sqrt(pair[0][:COUNT]) / (2 * np.pi))
 
 
 def _floor() -> Job:
@@ -204,14 +226,18 @@ def _element_jobs(
     jobs = []
     for model, build in kinds.items():
         for s in steps:
+            solved = Solved(Spec(model if model in references else THEORY, s), case, model, TIMED)
             try:
-                jobs.append(Job(model, s, build(s), growing=True))
+                jobs.append(Job(model, s, build(s), growing=True, solved=solved))
             except InputError as error:
                 left_out[model] = f"not at s={s} ({error}); "
-    for label, fast in _loops():
-        run = partial(condensed_frequencies, robot, pose, count=COUNT, fast=fast)
-        jobs.append(Job(label, None, run))
-    jobs.append(Job("continuum", None, partial(Continuum().modes, robot, pose, COUNT)))
+    exact: dict[str, Callable[[], Any]] = {
+        label: partial(condensed_frequencies, robot, pose, count=COUNT, fast=fast)
+        for label, fast in _loops()
+    }
+    exact["continuum"] = partial(Continuum().modes, robot, pose, COUNT)
+    for label, run in exact.items():
+        jobs.append(Job(label, None, run, solved=Solved(Spec(THEORY, None), case, label, TIMED)))
     return jobs
 
 
@@ -221,7 +247,8 @@ def _stand_in_jobs(case: Case, references: Sequence[str]) -> list[Job]:
     if name not in references:
         return []
     spec = parse(name, "reference")
-    return [Job(spec.label, None, partial(spec.build().modes, case.mechanism, case.pose, COUNT))]
+    run = partial(spec.build().modes, case.mechanism, case.pose, COUNT)
+    return [Job(spec.label, None, run, solved=Solved(spec, case, name, TIMED))]
 
 
 def _batch_jobs(case: Case, elements: Sequence[int], batches: Sequence[int]) -> list[Job]:
@@ -235,7 +262,10 @@ def _batch_jobs(case: Case, elements: Sequence[int], batches: Sequence[int]) -> 
                 run = partial(
                     condensed_frequencies, case.mechanism, poses, s, count=COUNT, fast=fast
                 )
-                jobs.append(Job(label, size, run, poses=size))
+                first = Pose(*(float(getattr(poses, x)[0]) for x in Pose.__match_args__))
+                one = Case("random", case.mechanism, first, "the first of many")
+                solved = Solved(Spec(THEORY, s), one, name, TIMED, poses=size)
+                jobs.append(Job(label, size, run, poses=size, solved=solved))
     return jobs
 
 
@@ -285,13 +315,16 @@ class Warm:
 
     def timing(self, yardstick: "Warm") -> Timing:
         """Return the samples, and their ratios to those of `yardstick`."""
+        seconds = np.array(list(self.samples.values()))
+        solved = self.job.solved
         return Timing(
             self.job.model,
             self.job.size,
             self.answer.dofs if isinstance(self.answer, Modes) else None,
             float(np.median(self.solving)) if self.solving else None,
-            np.array(list(self.samples.values())),
+            seconds,
             np.array([t / yardstick.samples[k] for k, t in self.samples.items()]),
+            () if solved is None else solved.rows(self.answer, float(np.median(seconds))),
         )
 
 

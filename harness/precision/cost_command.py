@@ -3,7 +3,7 @@
 import click
 
 from harness.options import CostRequest, takes_cost_request
-from harness.terminal import progress, show, status, write
+from harness.terminal import finish, progress, show, status, write
 
 
 @click.command()
@@ -22,4 +22,4 @@ def cost(request: CostRequest) -> int:
         result = measure(steps, programs, poses, rounds, done)
     show(*cost_tables(result).values())
     write(folder, cost_files(result) if folder is not None else {})
-    return status(result.failures)
+    return max(status(result.failures), finish(request.history, more=result.rows))

@@ -14,8 +14,9 @@ from analytic.theory import BEAMS
 from harness.cases import Case
 from harness.models import Spec, parse
 from harness.precision.cost import Job, Warm, sample, warm_up
+from harness.precision.solved import Solved
 from harness.precision.ways import COUNT, Way, every_way, theory_of
-from harness.run import SPARE, run
+from harness.run import SPARE, Study, run
 from reference_models.protocol import find
 from reference_models.richardson import Richardson
 
@@ -26,6 +27,8 @@ OWN, SOLID = "own theory", "3-D"
 """The kinds of error: against the limit of the model's own theory, and against solids."""
 STEPS = (1, 2, 3, 4, 8, 16, 32)
 """Elements of analytic models and simulators' beams."""
+TIMED = "work-precision"
+"""What the history calls this way of timing."""
 SHIFT = 1e-12
 """How far apart [m] the heights of two timed runs are: nothing kept from one serves the next."""
 
@@ -90,7 +93,7 @@ class WorkPrecision:
 
     Attributes: `limits` by theory; `floors`, the 3-D errors of these limits, by theory, shape
     (cases, COUNT) [%]; `solid`, the 3-D truth, if there is one; what was `left_out`; `failures` by
-    (case, label).
+    (case, label); `study`, of the truths; `rows` of the points, for the history.
     """
 
     cases: tuple[Case, ...]
@@ -101,6 +104,8 @@ class WorkPrecision:
     repeats: int
     left_out: dict[str, str]
     failures: dict[tuple[str, str], str]
+    study: Study
+    rows: list[dict[str, Any]]
 
 
 def work_precision(
@@ -143,8 +148,9 @@ def work_precision(
         for theory, limit in limits.items():
             answers = [limit.modes[case.name] for case in cases]
             floors[theory] = _errors(limit.spec, answers, cases, solid)
+    rows = [row for one in solved for row in _rows(*one, cases)]
     return WorkPrecision(
-        tuple(cases), tuple(points), limits, floors, solid, repeats, left_out, failures
+        tuple(cases), tuple(points), limits, floors, solid, repeats, left_out, failures, study, rows
     )
 
 
@@ -185,12 +191,12 @@ class _Mesh:
         return self.answer.first(count)
 
 
-Solved = tuple[Way, Sequence[Any], Array]
+Answered = tuple[Way, Sequence[Any], Array]
 
 
-def _extrapolated(solved: Sequence[Solved], cases: Sequence[Case]) -> list[Solved]:
+def _extrapolated(solved: Sequence[Answered], cases: Sequence[Case]) -> list[Answered]:
     """Return neighbouring meshes of each simulator, extrapolated: their times add up."""
-    found: list[Solved] = []
+    found: list[Answered] = []
     simulators = [one for one in solved if one[0].kind == "simulator"]
     for (coarse, first, short), (fine, second, long) in pairwise(simulators):
         a, b = coarse.spec.elements, fine.spec.elements
@@ -225,6 +231,19 @@ def _point(
         own=None if limit is None else _errors(way.spec, answers, cases, limit),
         solid=None if solid is None else _errors(way.spec, answers, cases, solid),
     )
+
+
+def _rows(
+    way: Way, answers: Sequence[Modes | Array], seconds: Array, cases: Sequence[Case]
+) -> list[dict[str, Any]]:
+    many = way.poses if way.kind == "batch" else None
+    return [
+        row
+        for case, answer in zip(cases, answers, strict=True)
+        for row in Solved(way.spec, case, way.method, TIMED, many).rows(
+            answer, float(np.median(seconds))
+        )
+    ]
 
 
 def _errors(

@@ -23,6 +23,7 @@ from harness.precision.work_precision import (
     truths,
     work_precision,
 )
+from harness.run import Study
 from reference_models import ModelError, reference
 from reference_models.exudyn_cable import ExudynCable
 
@@ -47,7 +48,10 @@ def known(points: list[Point], floor: float, unsure: float) -> WorkPrecision:
         RIGID: Truth(Spec("calculix-solid", (8, 12)), {"case2": solid}),
     }
     floors = {"timoshenko": np.full((1, 6), floor), RIGID: np.zeros((1, 6))}
-    return WorkPrecision((CASES[1],), tuple(points), limits, floors, limits[RIGID], 3, {}, {})
+    study = Study((CASES[1],), (), 6, {}, {})
+    return WorkPrecision(
+        (CASES[1],), tuple(points), limits, floors, limits[RIGID], 3, {}, {}, study, []
+    )
 
 
 def test_errors_that_cancel_a_floor_are_not_precision() -> None:
