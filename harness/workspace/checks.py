@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analytic import Pose, reachable
 from harness.tables import Cell, Number, Table
-from harness.workspace.map import Region, WorkspaceMap, map_frequencies, named
+from harness.workspace.map import Region, WorkspaceMap, named, solve
 
 Floats = NDArray[np.float64]
 
@@ -44,8 +44,8 @@ def opposite(data: WorkspaceMap) -> float:
     grid, layers = data.grid, np.arange(len(data.grid.z))
     poses = Pose(grid.z, grid.azimuth[1] + np.pi, -grid.tilt[layers, grid.rim])
     f = data.frequencies[layers, 1, grid.rim]
-    again, _ = map_frequencies(data.spec, data.region.mechanism, poses, f.shape[-1])
-    return _largest(f, again)
+    again = solve(data.spec, data.region.mechanism, poses, f.shape[-1])
+    return _largest(f, again.frequencies)
 
 
 def _largest(f: Floats, g: Floats) -> float:

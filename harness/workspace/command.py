@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from analytic import InputError, Limits, Pose
 from harness.cases import select
 from harness.models import Spec, parse
-from harness.options import Request
-from harness.terminal import progress, show, status, write
-from harness.workspace.map import Grid, Region, map_frequencies, workspace_map
+from harness.options import Request, takes_history
+from harness.terminal import finish, progress, show, status, write
+from harness.workspace.map import Grid, Region, solve, workspace_map
 
 BATCHED, ONE_BY_ONE = "72x15", "12x4"
 """The default grid of models that take all poses at once, and of those that take one."""
@@ -53,6 +53,7 @@ MOST_POSES = 200_000
 @click.option("--cases", metavar="CASE", help="Whose mechanism; default case1.")
 @click.option("--case-file", metavar="FILE", help="TOML file with mechanisms of your own.")
 @click.option("--output", metavar="DIR", default="workspace", help="Folder; default workspace.")
+@takes_history
 def workspace(
     grid: str | None,
     layers: str | None,
@@ -60,6 +61,7 @@ def workspace(
     length_max_mm: str,
     spherical_max_deg: str,
     revolute_max_deg: str,
+    history: Path | None,
     **given: str | None,
 ) -> int:
     """Map the frequencies over the regular workspace, layer by layer, as in Fig. 6.
@@ -76,6 +78,7 @@ def workspace(
         ripple_figure,
         surface_figure,
     )
+    from harness.workspace.rows import history_rows
 
     request = Request(references=None, elements=None, history=None, **given)
     shown, folder = request.shown, request.folder or Path("workspace")
@@ -96,7 +99,7 @@ def workspace(
     with progress(total) as done:
         data = workspace_map(region, drawn, spec, count, done)
     if not np.isfinite(data.frequencies).any():
-        return status(data.failures)
+        return status(data.answers.failures)
     # A batch is cheap enough to check the statements at every height, not only those drawn.
     fine = data
     if spec.analytic:
@@ -121,7 +124,8 @@ def workspace(
     for stem, figure in figures.items():
         files |= figure_files(figure, stem)
     write(folder, files)
-    return status(data.failures)
+    ended = status(data.answers.failures)
+    return max(ended, finish(history, more=history_rows(data) if history else ()))
 
 
 def _limits(shortest: str, longest: str, spherical: str, revolute: str) -> Limits:
@@ -173,9 +177,9 @@ def _layers(text: str, region: Region) -> NDArray[np.float64]:
 
 def _warn(spec: Spec, region: Region, z: NDArray[np.float64], count: int, total: int) -> None:
     """Say how long a simulator will take, by its second pose: the first one loads it."""
-    map_frequencies(spec, region.mechanism, Pose(z[:1]), count)
+    solve(spec, region.mechanism, Pose(z[:1]), count)
     start = time.perf_counter()
-    map_frequencies(spec, region.mechanism, Pose(z[:1]), count)
+    solve(spec, region.mechanism, Pose(z[:1]), count)
     seconds = time.perf_counter() - start
     minutes = seconds * total / 60
     click.echo(

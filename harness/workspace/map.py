@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Limits, Mechanism, Pose, RegularWorkspace
+from analytic import Limits, Mechanism, Modes, Pose, RegularWorkspace
 from analytic.workspace import CONSTRAINTS, heights, inscribed, margins
 from harness.models import Spec, batch_solver
 from reference_models import ModelError
@@ -106,19 +107,35 @@ class Grid:
 
 
 @dataclass(frozen=True)
+class Answers:
+    """What a model found at n poses.
+
+    Attributes: `frequencies` (n, count) [Hz], NaN where it failed; `failures` by (pose, model
+    label), in words; `modes` of a model that takes one pose at a time, by the pose's number, those
+    that failed left out; `seconds` a pose of a model that takes all at once, else None.
+    """
+
+    frequencies: Floats
+    failures: Failures
+    modes: dict[int, Modes]
+    seconds: float | None
+
+
+@dataclass(frozen=True)
 class WorkspaceMap:
     """Frequencies of one model over a grid in the regular workspace.
 
     Attributes: `region`; `grid`; `spec`, the model; `frequencies` (n, A, T, count) [Hz],
     ascending, NaN where there is no pose or the model failed: the i-th is the i-th lowest, so
-    where modes cross they change places; `failures` by (pose, model label), in words.
+    where modes cross they change places; `answers` of the model at the poses of `grid.wanted`, in
+    their order there.
     """
 
     region: Region
     grid: Grid
     spec: Spec
     frequencies: Floats
-    failures: Failures
+    answers: Answers
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row a pose, in SI units."""
@@ -141,28 +158,32 @@ def workspace_map(
     wanted = grid.wanted
     where = np.nonzero(wanted)
     frequencies = np.full((*wanted.shape, count), np.nan)
-    found, failures = map_frequencies(spec, region.mechanism, grid.pose(*where), count, done)
-    frequencies[where] = found
+    answers = solve(spec, region.mechanism, grid.pose(*where), count, done)
+    frequencies[where] = answers.frequencies
     frequencies[:, 1:, 0] = frequencies[:, :1, 0]
-    return WorkspaceMap(region, grid, spec, frequencies, failures)
+    return WorkspaceMap(region, grid, spec, frequencies, answers)
 
 
-def map_frequencies(
+def solve(
     spec: Spec, mechanism: Mechanism, poses: Pose, count: int, done: Done = lambda _: None
-) -> tuple[Floats, Failures]:
-    """Return frequencies (len(poses), count) [Hz], NaN where the model failed, and why it did."""
-    solve = batch_solver(spec)
-    if solve is not None:
-        return solve(mechanism, poses, count), {}
-    model, failures = spec.build(), {}
+) -> Answers:
+    """Return what `spec` finds at `poses` (an array of them)."""
+    batch = batch_solver(spec)
+    if batch is not None:
+        batch(mechanism, poses[[0, -1]], count)  # tables load once, which is no pose's time
+        began = perf_counter()
+        found = batch(mechanism, poses, count)
+        return Answers(found, {}, {}, (perf_counter() - began) / len(poses))
+    model, failures, modes = spec.build(), {}, {}
     frequencies = np.full((len(poses), count), np.nan)
-    for row, pose in zip(frequencies, poses, strict=True):
+    for i, pose in enumerate(poses):
         try:
-            row[:] = model.modes(mechanism, pose, count).frequencies
+            modes[i] = model.modes(mechanism, pose, count)
+            frequencies[i] = modes[i].frequencies
         except ModelError as error:
             failures[named(pose), spec.label] = str(error)
         done(f"{spec.label} at {named(pose)}")
-    return frequencies, failures
+    return Answers(frequencies, failures, modes, None)
 
 
 def named(pose: Pose) -> str:

@@ -1,5 +1,6 @@
 """`rps-bench workspace`: maps, the paper's two statements, pictures and data."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,9 @@ import pytest
 from analytic import Continuum, Limits, Mechanism, Pose, RegularWorkspace, Substructure, reachable
 from analytic.workspace import inscribed
 from harness.figures import picture
+from harness.history.store import COLUMNS, MANY_POSES, open_history
 from harness.models import Spec
+from harness.run import mechanism_hash
 from harness.workspace.checks import (
     height_table,
     mirrored,
@@ -25,7 +28,8 @@ from harness.workspace.checks import (
     verdicts,
 )
 from harness.workspace.figures import contour_figure, region_figure, ripple_figure, surface_figure
-from harness.workspace.map import Grid, Region, WorkspaceMap, map_frequencies, workspace_map
+from harness.workspace.map import Answers, Grid, Region, WorkspaceMap, solve, workspace_map
+from harness.workspace.rows import history_rows
 from reference_models import ModelError
 from reference_models.exudyn_cable import ExudynCable
 
@@ -57,13 +61,27 @@ def few_layers(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def fragile(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A simulator that fails at azimuths above 4 rad."""
+    real = ExudynCable.modes
+
+    def fragile(self: Any, mechanism: Mechanism, pose: Pose, count: int = 6) -> Any:
+        if pose.azimuth > 4:
+            raise ModelError("no convergence")
+        return real(self, mechanism, pose, count)
+
+    monkeypatch.setattr(ExudynCable, "modes", fragile)
+
+
+@pytest.fixture
 def invented(region: Region, grid: Grid) -> WorkspaceMap:
     """f1 round, f2 with three waves of 1 %, f3 with one; all fall with z as 1 / z."""
     shape = np.broadcast_shapes((3, 1, 1), (24, 1), (3, 1, 5))
     azimuth, size = grid.azimuth[:, None], (grid.tilt / grid.radii[:, None])[:, None, :] ** 2
     waves = (0 * azimuth, 0.01 * np.cos(3 * azimuth), 0.01 * np.cos(azimuth + 0.2))
     f = [np.broadcast_to(100 / grid.z[:, None, None] * (1 + size * w), shape) for w in waves]
-    return WorkspaceMap(region, grid, CONTINUUM, np.stack(f, axis=-1), {})
+    every = np.stack(f, axis=-1)
+    return WorkspaceMap(region, grid, CONTINUUM, every, Answers(every[grid.wanted], {}, {}, 0.0))
 
 
 def test_the_grid_fills_the_circles(region: Region, grid: Grid) -> None:
@@ -86,7 +104,7 @@ def test_the_map_is_the_model(solved: WorkspaceMap, robot: Mechanism) -> None:
 
 def test_any_elements_and_theory(robot: Mechanism) -> None:
     poses = Pose(np.array([0.4, 0.6]), 0.3, 0.2)
-    found, _ = map_frequencies(Spec("rayleigh", 2), robot, poses, 4)
+    found = solve(Spec("rayleigh", 2), robot, poses, 4).frequencies
     for row, pose in zip(found, poses, strict=True):
         wanted = Substructure(2, "rayleigh").modes(robot, pose, 4).frequencies
         np.testing.assert_allclose(row, wanted, rtol=1e-8)
@@ -142,28 +160,19 @@ def test_the_table_of_layers(solved: WorkspaceMap, region: Region) -> None:
     assert region.bound(0.95, top.touch[0], top.radii[0]) == "longest limb"
 
 
-def test_a_simulator_goes_pose_by_pose(
-    region: Region, robot: Mechanism, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.usefixtures("fragile")
+def test_a_simulator_goes_pose_by_pose(region: Region, robot: Mechanism) -> None:
     """One failing pose costs itself; level poses are solved once."""
     heard: list[str] = []
     grid = Grid.of(region, np.array([0.5]), 3, 2)
     spec = Spec("exudyn-cable", 2)
-    real = ExudynCable.modes
-
-    def fragile(self: Any, mechanism: Mechanism, pose: Pose, count: int = 6) -> Any:
-        if pose.azimuth > 4:
-            raise ModelError("no convergence")
-        return real(self, mechanism, pose, count)
-
-    monkeypatch.setattr(ExudynCable, "modes", fragile)
     data = workspace_map(region, grid, spec, 3, heard.append)
     assert len(heard) == 1 + 3
     wanted = ExudynCable(2).modes(robot, grid.pose(0, 1, 1), 3).frequencies
     np.testing.assert_array_equal(data.frequencies[0, 1, 1], wanted)
     assert np.isnan(data.frequencies[0, 2, 1]).all()
-    assert list(data.failures.values()) == ["no convergence"]
-    (pose, label), *_ = data.failures
+    assert list(data.answers.failures.values()) == ["no convergence"]
+    (pose, label), *_ = data.answers.failures
     assert pose.startswith("z = 500.0 mm, azimuth 240.00 deg") and label == "exudyn-cable@2"
     for figure in (contour_figure(data, [1]), surface_figure(data, [1]), ripple_figure(data, [1])):
         assert picture(figure, "png").startswith(b"\x89PNG")
@@ -171,6 +180,63 @@ def test_a_simulator_goes_pose_by_pose(
     assert symmetry.endswith("not checked, for no circle of one tilt is complete.")
     assert height.endswith("not checked, for no two layers share a pose.")
     assert symmetry_table(data, [1]).rows[0][1:] == ("",) * 4
+
+
+def test_every_pose_solved_is_a_row_of_the_history(solved: WorkspaceMap, robot: Mechanism) -> None:
+    """Frequencies of the model itself, asked pose by pose; a level platform once a layer."""
+    rows = history_rows(solved)
+    poses = {(row["z_m"], row["azimuth_rad"], row["tilt_rad"]) for row in rows}
+    assert len(rows) == 6 * len(poses) == 6 * solved.grid.wanted.sum()
+    assert sum(tilt == 0 for _, _, tilt in poses) == 3
+    for first in (0, 6 * 40, len(rows) - 6):
+        some = rows[first : first + 6]
+        pose = Pose(some[0]["z_m"], some[0]["azimuth_rad"], some[0]["tilt_rad"])
+        wanted = Continuum("timoshenko").modes(robot, pose)
+        np.testing.assert_allclose(
+            [row["frequency_hz"] for row in some], wanted.frequencies, rtol=1e-8
+        )
+        assert [row["mode"] for row in some] == [1, 2, 3, 4, 5, 6]
+        for row in some:
+            assert row["case"] in MANY_POSES and row["mechanism"] == mechanism_hash(robot)
+            assert row["model"] == "timoshenko@exact" and row["theory"] == wanted.theory
+            assert json.loads(row["settings"]) == {"count": 6, "shear": "cowper"}
+            assert row["version"] == "rps-bench, condensed" and row["dofs"] == wanted.dofs
+            assert 0 < row["solve_s"] == solved.answers.seconds
+            assert set(row) <= set(COLUMNS)
+
+
+@pytest.mark.usefixtures("fragile")
+def test_rows_of_a_simulator_are_its_own(region: Region, robot: Mechanism) -> None:
+    """With closure and uncertainty; a pose that failed has none."""
+    grid = Grid.of(region, np.array([0.5]), 3, 2)
+    spec = Spec("exudyn-cable", (2, 4))
+    rows = history_rows(workspace_map(region, grid, spec, 3))
+    assert len(rows) == 3 * 3  # of one level and three tilted poses, one failed
+    wanted = spec.build().modes(robot, grid.pose(0, 1, 1), 3)
+    assert wanted.uncertainty is not None
+    for i, row in enumerate(rows[-3:]):
+        assert row["azimuth_rad"] == grid.azimuth[1] and row["tilt_rad"] == grid.tilt[0, 1]
+        assert row["frequency_hz"] == wanted.frequencies[i]
+        assert row["uncertainty_hz"] == wanted.uncertainty[i]
+        assert row["closure_m"] == wanted.residual and row["version"] == wanted.version
+        assert row["build_s"] > 0 and row["solve_s"] > 0
+
+
+@pytest.mark.slow
+def test_the_solid_limb_says_its_uncertainty_at_every_pose(
+    region: Region, robot: Mechanism
+) -> None:
+    pytest.importorskip("ngsolve")
+    grid, spec = Grid.of(region, np.array([0.5]), 3, 2), Spec("solid-limb", 1)
+    rows = history_rows(workspace_map(region, grid, spec, 2))
+    assert len(rows) == 2 * 4
+    for first in (0, 4):
+        row = rows[first]
+        pose = Pose(row["z_m"], row["azimuth_rad"], row["tilt_rad"])
+        wanted = spec.build().modes(robot, pose, 2)
+        assert wanted.uncertainty is not None
+        assert row["uncertainty_hz"] == pytest.approx(wanted.uncertainty[0], rel=1e-6)
+        assert row["version"] == wanted.version and row["theory"] == wanted.theory
 
 
 @pytest.mark.slow
@@ -198,6 +264,7 @@ def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None
     answer = rps_bench(
         "workspace", "--model", "euler-bernoulli@3", "--modes", "1,4", "--layers", "600,320",
         "--grid", "12x3", "--spherical-max-deg", "40", "--output", str(tmp_path),
+        "--history", str(tmp_path / "history"),
     )  # fmt: skip
     assert answer.status == 0, answer.err
     assert "spherical joints 40 deg" in answer.out
@@ -214,6 +281,18 @@ def test_the_command(rps_bench: Bench, tmp_path: Path, robot: Mechanism) -> None
     pose = Pose(row["z_m"], row["azimuth_rad"], row["tilt_rad"])
     wanted = Substructure(3).modes(robot, pose, 4).frequencies
     np.testing.assert_allclose([row[f"f{i}_hz"] for i in range(1, 5)], wanted, rtol=1e-8)
+    kept = open_history(tmp_path / "history").query(
+        'SELECT command, mode, z_m, azimuth_rad, tilt_rad, frequency_hz FROM rows WHERE "case" = ?',
+        ["map"],
+    )
+    assert kept["command"].unique().to_list() == [
+        "rps-bench workspace --model euler-bernoulli@3 --modes 1,4 --layers 600,320 --grid 12x3 "
+        "--spherical-max-deg 40"
+    ]
+    place = ["z_m", "azimuth_rad", "tilt_rad"]
+    first = kept.filter(mode=4).join(frame, on=place)
+    assert 2 < len(first) == len(kept) / 4
+    assert first["frequency_hz"].to_list() == first["f4_hz"].to_list()
 
 
 @pytest.mark.slow
