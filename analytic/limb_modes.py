@@ -137,18 +137,18 @@ def _poles(
     By bisection on the count of fixed-tip modes. A chain has no more than its coordinates: the
     last is then put far above the others.
     """
-    scale = units(rod, lengths)[0]
+    # All directions in one bisection: each count is of all three anyway.
+    direction = np.repeat(np.arange(3), wanted)[:, None]
+    rank = np.concatenate([np.arange(count) for count in wanted])[:, None]
+    scale = units(rod, lengths)[0].T[direction[:, 0]]
+    low, high = np.zeros(scale.shape), np.full(scale.shape, np.log(1e8))
+    for _ in range(36):
+        x = (low + high) / 2
+        counts = fixed_tip_counts(rod, lengths, np.exp(x) * scale, elements)
+        above = np.take_along_axis(counts, direction[..., None], axis=-1)[..., 0] > rank
+        low, high = np.where(above, low, x), np.where(above, x, high)
     found = []
-    for direction in range(3):
-        rank = np.arange(wanted[direction])[:, None]
-        shape = (len(rank), len(lengths))
-        low, high = np.zeros(shape), np.full(shape, np.log(1e8))
-        for _ in range(36):
-            x = (low + high) / 2
-            counts = fixed_tip_counts(rod, lengths, np.exp(x) * scale[:, direction], elements)
-            above = counts[..., direction] > rank
-            low, high = np.where(above, low, x), np.where(above, x, high)
-        poles = np.exp(low).T
+    for poles in np.split(np.exp(low).T, np.cumsum(wanted)[:-1], axis=1):
         missing = poles > 0.99e8
         beyond = 10 * np.max(np.where(missing, 100.0, poles), axis=1, keepdims=True)
         found.append(np.where(missing, beyond, poles))
@@ -207,13 +207,19 @@ def _pole(d: Any, guesses: NDArray[np.float64], j: int) -> tuple[Array, Array]:
 
 def _power_series(at_nodes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return powers of t, (DEGREE + 1, size), from values at Chebyshev nodes of -1..1."""
-    n = DEGREE + 1
+    transform, to_powers = _to_powers(DEGREE + 1)
+    return np.asarray(to_powers @ (transform @ at_nodes))
+
+
+@lru_cache(maxsize=1)
+def _to_powers(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (n, n): values at n nodes to Chebyshev coefficients, and these to powers."""
     k = np.arange(n)
     transform = np.cos(np.pi * np.outer(k, k + 0.5) / n) * np.where(k, 2, 1)[:, None] / n
     to_powers = np.zeros((n, n))
     for i in range(n):
         to_powers[: i + 1, i] = chebyshev.cheb2poly(np.eye(n)[i])[: i + 1]
-    return np.asarray(to_powers @ (transform @ at_nodes))
+    return transform, to_powers
 
 
 def _error(made: LimbModes, elements: int | None) -> float:
