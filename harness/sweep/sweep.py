@@ -3,10 +3,11 @@
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import dataclass
-from statistics import median
 from threading import Condition
 from time import perf_counter
 from typing import Self
+
+import numpy as np
 
 from analytic import Mechanism, Pose
 from analytic.condensed import CHUNK
@@ -169,7 +170,7 @@ def timings(sweep: Sweep, journal: Journal) -> dict[Spec, Timing]:
                 poses += len(job.poses)
                 each.append(answer.seconds / len(job.poses))
                 total += answer.seconds
-        found[spec] = Timing(poses, total, median(each) if each else None)
+        found[spec] = Timing(poses, total, float(np.median(each)) if each else None)
     return found
 
 

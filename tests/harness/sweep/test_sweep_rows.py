@@ -11,8 +11,15 @@ import polars as pl
 import pytest
 
 from analytic import Continuum, Mechanism, Substructure
+from harness.history.store import open_history
+from harness.models import parse
+from harness.run import mechanism_hash
+from harness.sweep.engine import Patience, engine
 from harness.sweep.jobs import BATCH
+from harness.sweep.journal import Journal
 from harness.sweep.pose_sets import pose_set
+from harness.sweep.solve import solve
+from harness.sweep.sweep import Sweep
 
 
 def test_rows_hold_what_the_models_say(
@@ -48,6 +55,57 @@ def test_rows_hold_what_the_models_say(
         ("Mean (%)", expected.mean(axis=0)),
     ):
         np.testing.assert_allclose(table[column].to_numpy(), values, rtol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["parquet", "csv"])
+def test_a_sweep_is_in_the_history_once(
+    rps_bench: Callable[..., Any], tmp_path: Path, robot: Mechanism, form: str
+) -> None:
+    """All its rows with what a row of the history holds; a run that computed nothing adds none."""
+    out, history = tmp_path / "out", tmp_path / "history"
+    given = ("sweep", "--models", "euler-bernoulli@3,timoshenko@exact", "--shear", "0.9")
+    given += ("--modes", "2-3", "--format", form, "--output", str(out), "--history", str(history))
+    for poses in ("random:20:1", "random:20:1", "random:30:1"):
+        answer = rps_bench(*given, "--poses", poses)
+        assert answer.status == 0, answer.err
+    past = open_history(history)
+    runs = past.query("SELECT run, command, count(*) AS n FROM rows GROUP BY ALL ORDER BY run")
+    assert runs["n"].to_list() == [2 * 20 * 2, 2 * 30 * 2]
+    models = "--models euler-bernoulli@3,timoshenko@exact --modes 2-3 --shear 0.9"
+    assert runs["command"][0] == f"rps-bench sweep --poses random:20:1 {models} --format {form}"
+
+    rows = past.query(
+        "SELECT * FROM rows WHERE run = ? ORDER BY model, z_m, mode", [runs["run"][1]]
+    )
+    assert set(rows["case"]) == {"sweep"}
+    assert set(rows["mechanism"]) == {mechanism_hash(robot)}
+    assert dict(rows.select("model", "settings").unique().rows()) == {
+        "euler-bernoulli@3": '{"count": 3}',
+        "timoshenko@exact": '{"count": 3, "shear": 0.9}',
+    }
+    assert (rows["solve_s"] > 0).all()
+    poses = pose_set("random:30:1", robot)
+    place = np.argsort(poses.z)
+    np.testing.assert_array_equal(rows["tilt_rad"].to_numpy()[:60:2], poses.tilt[place])
+    for model, part in (("euler-bernoulli@3", rows[:60]), ("timoshenko@exact", rows[60:])):
+        assert set(part["model"]) == {model}
+        alone = parse(model, "model", 0.9).build().modes(robot, poses[place[0]], 3).frequencies
+        np.testing.assert_allclose(part["frequency_hz"][:2].to_numpy(), alone[1:], rtol=1e-9)
+
+
+def test_a_sweep_is_one_call_from_python(tmp_path: Path, robot: Mechanism) -> None:
+    """Solved and written; once more, nothing is solved and the rows are the same."""
+    poses = pose_set("random:7:1", robot)
+    sweep = Sweep(robot, poses, (parse("rayleigh@exact", "model"),), 4)
+    file, solved = tmp_path / "rows.parquet", []
+    for _ in range(2):
+        with engine(2, None, Patience()) as here, Journal(tmp_path) as journal:
+            outcome = solve(sweep, journal, here, file)
+        assert outcome.failures == {}
+        solved.append((outcome.solved, file.read_bytes()))
+    assert [number for number, _ in solved] == [1, 0]
+    assert solved[0][1] == solved[1][1]
+    assert pl.read_parquet(file)["mode"].to_list() == 7 * [1, 2, 3, 4]
 
 
 @pytest.mark.slow
