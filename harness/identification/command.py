@@ -8,7 +8,7 @@ import click
 
 from analytic import InputError
 from analytic.theory import BEAMS
-from harness.options import folder, shear_coefficient, split
+from harness.options import folder, shear_coefficient, split, takes_history
 
 if TYPE_CHECKING:
     from harness.identification.problem import Bounds
@@ -55,6 +55,7 @@ FRAMES = {"stated": (False,), "mirrored": (True,), "both": (False, True)}
 @click.option("--seed", metavar="N", default="0", help="Of the search's points; default 0.")
 @click.option("--case-file", metavar="FILE", help="TOML file with the table's cases.")
 @click.option("--output", metavar="DIR", help="Folder for CSV, Markdown, LaTeX, JSON and figure.")
+@takes_history
 def identify(
     source: str,
     method: str | None,
@@ -71,6 +72,7 @@ def identify(
     seed: str,
     case_file: str | None,
     output: str | None,
+    history: Path | None,
 ) -> int:
     """Fit a mechanism's parameters to a table of natural frequencies.
 
@@ -81,9 +83,10 @@ def identify(
     from harness.identification.parameters import INERTIAS
     from harness.identification.problem import Problem
     from harness.identification.report import CANDIDATES, MODELS, files, tables
+    from harness.identification.rows import history_rows
     from harness.identification.summary import sentences
     from harness.models import parse_analytic
-    from harness.terminal import progress, show, write
+    from harness.terminal import finish, progress, show, write
 
     target, ours = folder(output), source == "published"
     table = _table(source, method, case_file)
@@ -103,7 +106,8 @@ def identify(
     begun = _whole("--starts", starts, 1, MOST_STARTS)
     most = _whole("--free", free, 0, MOST_FREE)
     problems = [Problem(table, specs[0], tuple(names), inertia, slip, of_fit) for slip in mirrored]
-    Problem(table, specs[0], tuple(chosen), bounds=of_readings)  # refused before any work
+    # Refused before any work.
+    Problem(table, specs[0], tuple(chosen), bounds=of_readings, option="--candidates")
     with progress(len(problems) + len(specs) * (len(mirrored) + (False in mirrored))) as done:
         results = []
         for problem in problems:
@@ -116,7 +120,7 @@ def identify(
     for line in sentences(results, ranked):
         click.echo(f"- {line}")
     write(target, files(results, ranked) if target is not None else {})
-    return 0
+    return finish(history, more=history_rows(results, ranked) if history else ())
 
 
 def _table(source: str, method: str | None, case_file: str | None) -> "FrequencyTable":

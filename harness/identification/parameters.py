@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError, Mechanism
+from analytic import InputError, Material, Mechanism, Platform, Pose, Rod
 from analytic.designs import Designs
 from harness.cases import Case
 
@@ -109,13 +110,36 @@ def designs(values: Values, inertia: str, mirrored: bool) -> Designs:
     its mass has Eq. 8's moments, m r2^2 about all axes.
     """
     si = {name: np.atleast_1d(value) * PARAMETERS[name].unit for name, value in values.items()}
-    r2, R, h = si["platform_radius_mm"], si["disc_radius_mm"], si["platform_thickness_mm"]
-    mass = si["platform_density_kg_m3"] * np.pi * R**2 * h
-    across, polar = mass * (3 * R**2 + h**2) / 12, mass * R**2 / 2
-    if inertia == "printed":
-        across = polar = mass * r2**2
     return Designs(
-        si["z_mm"], si["azimuth_deg"], si["tilt_deg"], si["base_radius_mm"], r2,
-        si["rod_diameter_mm"], si["young_GPa"], si["density_kg_m3"], mass, across, polar,
-        mirrored,
+        si["z_mm"], si["azimuth_deg"], si["tilt_deg"], si["base_radius_mm"],
+        si["platform_radius_mm"], si["rod_diameter_mm"], si["young_GPa"], si["density_kg_m3"],
+        *_platform(si, inertia), mirrored,
     )  # fmt: skip
+
+
+def described(values: Mapping[str, float], inertia: str, like: Mechanism) -> tuple[Mechanism, Pose]:
+    """Return the one mechanism and pose that `designs` makes of numbers, with frames as stated.
+
+    Its first limb's heading and its Poisson's ratio are those of `like`.
+    """
+    si = {name: value * PARAMETERS[name].unit for name, value in values.items()}
+    young, poisson = si["young_GPa"], like.limbs[0].rod.material.poisson
+    material = Material(young, young / (2 * (1 + poisson)), si["density_kg_m3"])
+    mass, across, polar = _platform(si, inertia)
+    mechanism = Mechanism.regular(
+        si["base_radius_mm"],
+        si["platform_radius_mm"],
+        Rod(material, si["rod_diameter_mm"]),
+        Platform.diagonal(mass, (across, across, polar), INERTIAS[inertia]),
+        heading=heading(like),
+    )
+    return mechanism, Pose(si["z_mm"], si["azimuth_deg"], si["tilt_deg"])
+
+
+def _platform(si: Mapping[str, Any], inertia: str) -> tuple[Any, Any, Any]:
+    """Return its mass and its moments of inertia, across and polar, [kg, kg m^2]."""
+    R, h = si["disc_radius_mm"], si["platform_thickness_mm"]
+    mass = si["platform_density_kg_m3"] * np.pi * R**2 * h
+    if inertia == "printed":
+        return mass, mass * si["platform_radius_mm"] ** 2, mass * si["platform_radius_mm"] ** 2
+    return mass, mass * (3 * R**2 + h**2) / 12, mass * R**2 / 2

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,8 @@ class Problem:
     A name may be prefixed by a case, as in case2.z_mm; else all cases share the parameter, azimuth
     and tilt those cases that are tilted. `spec` is the theory with its elements, `inertia` "disc"
     or "printed" (Eq. 8), `mirrored` as in `Designs`; `bounds` override the default ones, in the
-    units of the names. Parameters are handled as x: the logarithm of the value, or an angle itself.
+    units of the names; `option` is named where a name is refused. Parameters are handled as x: the
+    logarithm of the value, or an angle itself.
     """
 
     table: FrequencyTable
@@ -40,6 +42,7 @@ class Problem:
     inertia: str = "disc"
     mirrored: bool = False
     bounds: Bounds = field(default_factory=dict)
+    option: str = "--parameters"
 
     def __post_init__(self) -> None:
         cases = self.table.cases
@@ -55,7 +58,7 @@ class Problem:
             if not a < b:
                 raise InputError("--bounds", name, "a lower bound below the upper one")
             if not a - 1e-12 <= x <= b + 1e-12 and name not in self.bounds:
-                raise InputError("parameter", name, "a starting value within default bounds")
+                raise InputError(self.option, name, "a starting value within default bounds")
 
     def _reaches(self, name: str) -> list[int]:
         """Return which cases `name` belongs to."""
@@ -65,7 +68,7 @@ class Problem:
         if own not in PARAMETERS or (dot and (own not in POSE or case not in known)):
             poses = ", ".join(f"{known[-1]}.{p}" for p in POSE)
             expected = f"one of {', '.join(PARAMETERS)}, or of one case as {poses}"
-            raise InputError("parameter", name, expected)
+            raise InputError(self.option, name, expected)
         if dot:
             return [known.index(case)]
         special = {known.index(n.rpartition(".")[0]) for n in self.names if n.endswith(f".{own}")}
@@ -73,7 +76,7 @@ class Problem:
         if PARAMETERS[own].angle:
             shared = [k for k in shared if cases[k].pose.tilt != 0]
         if not shared:
-            raise InputError("parameter", name, "a case that this parameter is left for")
+            raise InputError(self.option, name, "a case that this parameter is left for")
         return shared
 
     @property
@@ -117,22 +120,25 @@ class Problem:
         low, high = np.reshape(pairs, (-1, 2)).T
         return low, high
 
-    def frequencies(self, x: Floats) -> Floats:
-        """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes)."""
-        values, rows = self.from_x(x).T, len(x)
-        columns: dict[str, Floats] = {}
+    def at(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """Return all parameters of each case, those that are fitted being `values` by name."""
+        found = []
         for k, base in enumerate(self.base):
-            given = {
-                self.kind(name): value
-                for name, value in zip(self.names, values, strict=True)
-                if k in self._reaches(name)
-            }
-            own: dict[str, Floats | float] = {**base, **given}
+            given = {self.kind(n): values[n] for n in self.names if k in self._reaches(n)}
+            own = {**base, **given}
             # The disc ends where the joints are and is made of what the rods are made of.
             if "disc_radius_mm" not in given:
                 own["disc_radius_mm"] = own["platform_radius_mm"]
             if "platform_density_kg_m3" not in given:
                 own["platform_density_kg_m3"] = own["density_kg_m3"]
+            found.append(own)
+        return found
+
+    def frequencies(self, x: Floats) -> Floats:
+        """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes)."""
+        rows = len(x)
+        columns: dict[str, Floats] = {}
+        for k, own in enumerate(self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))):
             for name, value in own.items():
                 column = columns.setdefault(name, np.empty((len(self.table.cases), rows)))
                 column[k] = value

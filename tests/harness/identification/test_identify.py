@@ -1,5 +1,6 @@
 """Planted parameters come back within their intervals; Table I says what is known of it."""
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -17,13 +18,18 @@ from analytic import (
     frequency_sensitivities,
 )
 from analytic.fit import profile_ends, rise
+from harness.cases import PRESETS
+from harness.history.store import COLUMNS, open_history
 from harness.identification.directions import directions, quantities, sensitivities
 from harness.identification.identify import fit, identify, readings
+from harness.identification.parameters import INERTIAS, PARAMETERS, described
 from harness.identification.problem import Problem
 from harness.identification.report import simplest
+from harness.identification.rows import history_rows
 from harness.identification.summary import sentences
 from harness.identification.table import FrequencyTable, published_table, read_table
 from harness.models import parse_analytic
+from harness.run import mechanism_hash
 
 NAMES = ("z_mm", "base_radius_mm", "platform_thickness_mm", "tilt_deg")
 PLANTED = (530.0, 270.0, 22.0, -11.0)
@@ -307,13 +313,65 @@ def test_tables_from_files(tmp_path):
             read_table(path, None, {})
 
 
+@pytest.mark.parametrize("inertia", ["disc", "printed"])
+def test_a_fitted_mechanism_has_the_frequencies_of_the_fit(inertia):
+    """Assembled limb by limb as any other mechanism, against the batch that was fitted."""
+    base = published_table()
+    turned = tuple(replace(c, mechanism=Mechanism.paper(heading=0.4)) for c in base.cases)
+    table = replace(base, cases=turned)
+    names = [name for name in PARAMETERS if name != "z_mm"]
+    problem = Problem(table, SPEC, (*names, "case1.z_mm", "case2.z_mm"), inertia)
+    x = problem.start + np.linspace(-0.1, 0.1, len(problem.names))
+    values = dict(zip(problem.names, problem.from_x(x).tolist(), strict=True))
+    expected = problem.frequencies(x[None])[0]
+    given = problem.frequencies(problem.start[None])[0]
+    assert (np.abs(expected / given - 1) > 1e-3).all()
+    for case, own, f in zip(table.cases, problem.at(values), expected, strict=True):
+        mechanism, pose = described(own, inertia, case.mechanism)
+        np.testing.assert_allclose(SPEC.build().modes(mechanism, pose).frequencies, f, rtol=1e-8)
+        assert mechanism.platform.form == INERTIAS[inertia]
+
+
+@pytest.mark.slow
+def test_what_was_fitted_reaches_the_history():
+    """The fit and the best reading of each number of parameters; nothing under a named case."""
+    table, names = published_table(), ("z_mm", "rod_diameter_mm")
+    problem = Problem(table, SPEC, names)
+    result = identify(problem, starts=1)
+    slip = replace(result, problem=replace(problem, mirrored=True))
+    ranked = readings(table, names, [SPEC], {}, most=2)
+    single = min(
+        (r for r in ranked if len(r.x) == 1 and not r.problem.mirrored), key=lambda r: r.rms
+    )
+    rows = history_rows([result, slip], ranked)
+    assert len(rows) == 2 * 2 * 6, "the fit, which is also the reading of two, and that of one"
+    assert {row["case"] for row in rows} == {"identified"} and "identified" not in PRESETS
+    for fitted, x in ((problem, result.fits.minima.points[0]), (single.problem, single.x)):
+        values = dict(zip(fitted.names, fitted.from_x(x).tolist(), strict=True))
+        assert values.keys() <= set(names)
+        for case, f in zip(table.cases, fitted.frequencies(x[None])[0], strict=True):
+            found, rows = rows[:6], rows[6:]
+            assert [row["mode"] for row in found] == [1, 2, 3, 4, 5, 6]
+            # Six digits of the parameters.
+            np.testing.assert_allclose([row["frequency_hz"] for row in found], f, rtol=2e-5)
+            for row in found:
+                known = json.loads(row["settings"])
+                assert known["table"] == table.source and known["case"] == case.name
+                assert known["fitted"] == pytest.approx(values, rel=1e-5)
+                assert row["z_m"] == pytest.approx(values.get("z_mm", 490) / 1e3, rel=1e-5)
+                assert row["tilt_rad"] == case.pose.tilt and set(row) <= set(COLUMNS)
+                own = row["mechanism"] == mechanism_hash(case.mechanism)
+                assert own == ("rod_diameter_mm" not in values)
+
+
 @pytest.mark.slow
 def test_the_command_writes_all_it_says(rps_bench, tmp_path):
-    """Twice the same bytes."""
+    """Twice the same bytes, and in the history the same fits."""
     path = tmp_path / "one.csv"
     path.write_text("case,f1,f2,f3,f4\ncase2,109.44,118.75,200.65,606.07\n")
     command = ["identify", "--table", str(path), "--parameters", "z_mm,base_radius_mm"]
     command += ["--model", "euler-bernoulli@3", "--starts", "4", "--bounds", "z_mm=450..650"]
+    command += ["--history", str(tmp_path / "history")]
     first = rps_bench(*command, "--output", str(tmp_path / "a"))
     assert first.status == 0, first.err
     assert "z_mm" in first.out
@@ -323,6 +381,12 @@ def test_the_command_writes_all_it_says(rps_bench, tmp_path):
     assert "identification.svg" in names
     for name in names:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    kept = open_history(tmp_path / "history").query(
+        'SELECT "case", mechanism, model, settings, mode, frequency_hz, count(*) AS runs FROM rows '
+        "GROUP BY ALL"
+    )
+    assert kept["runs"].unique().to_list() == [2]
+    assert len(kept) == 4 * 2  # modes; two parameters, and the better one of them alone
 
 
 def test_the_page_shows_the_accepted_tables():
