@@ -142,6 +142,7 @@ def settings(spec: Spec, count: int, **how: Any) -> str:
     `how`: what else tells a way of solving it from others.
     """
     chosen: dict[str, Any] = {"count": count}
-    if spec.name == "timoshenko" or (spec.name in names() and takes_shear(spec.name)):
+    simulated = not spec.analytic and spec.name in names()  # which looks at what is installed
+    if spec.name == "timoshenko" or (simulated and takes_shear(spec.name)):
         chosen["shear"] = spec.shear
     return json.dumps(chosen | how)

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,15 +30,21 @@ from harness.claims.facts import (
 from harness.models import PAPER_ELEMENTS, Spec, parse
 from harness.options import STAND_IN
 from harness.precision.cost import Cost, measure
+from harness.precision.solved import Solved
 from harness.precision.ways import solid_truth
-from harness.run import run
-from harness.slenderness import with_rods
+from harness.run import rows, run
+from harness.slenderness import THEORIES, with_rods
 from harness.workspace.checks import ripple, rises, turned
 from harness.workspace.map import Grid, Region, workspace_map
+from harness.workspace.rows import MAP, history_rows
 from reference_models import UnavailableError
 from reference_models.protocol import find
 
 Done = Callable[[str], None]
+Row = dict[str, Any]
+
+KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")
+"""What tells one row of the history from all others of a run."""
 
 SOLIDS = ("ngsolve-solid", "calculix-solid")
 """Solid rods, the quicker first: whichever can run here."""
@@ -50,18 +57,24 @@ SHAPE = (36, 8)
 """Azimuths and tilts of a layer."""
 
 
-def gather(groups: Iterable[str], done: Done = lambda _: None) -> tuple[Facts, dict[str, str]]:
-    """Return the facts of `groups`, and why a group could not be measured."""
+def gather(
+    groups: Iterable[str], done: Done = lambda _: None
+) -> tuple[Facts, dict[str, str], list[Row]]:
+    """Return the facts of `groups`, why a group could not be measured, and all that was solved.
+
+    The last as rows for the history, each answer once.
+    """
     cases = [PRESETS[name] for name in CASES]
+    solved: list[Row] = []
     makers: dict[str, Callable[[], Any]] = {
-        "beams": lambda: beams(cases),
-        "fea": lambda: reference(cases, parse(STAND_IN, "reference")),
-        "solid": lambda: reference(cases, parse(_solid(), "reference")),
-        "slender": lambda: slender(cases),
+        "beams": lambda: beams(cases, solved),
+        "fea": lambda: reference(cases, parse(STAND_IN, "reference"), solved),
+        "solid": lambda: reference(cases, parse(_solid(), "reference"), solved),
+        "slender": lambda: slender(cases, solved),
         "equations": lambda: equations(cases),
-        "times": times,
-        "fea_times": lambda: fea_times(cases[0]),
-        "maps": lambda: maps(cases[0]),
+        "times": lambda: times(solved),
+        "fea_times": lambda: fea_times(cases[0], solved),
+        "maps": lambda: maps(cases[0], solved),
     }
     found: dict[str, Any] = {}
     missing: dict[str, str] = {}
@@ -71,7 +84,10 @@ def gather(groups: Iterable[str], done: Done = lambda _: None) -> tuple[Facts, d
         except (UnavailableError, UnmeasuredError) as error:
             missing[group] = str(error)
         done(group)
-    return Facts(printed(), **found), missing
+    once: dict[tuple[Any, ...], Row] = {}
+    for row in solved:
+        once.setdefault(tuple(row[name] for name in KEY), row)
+    return Facts(printed(), **found), missing, [*once.values()]
 
 
 class UnmeasuredError(RuntimeError):
@@ -93,12 +109,16 @@ def printed() -> Printed:
     )
 
 
-def beams(cases: Sequence[Case]) -> Beams:
-    """Return the theories with and without elements at `cases`, and all readings of the paper."""
+def beams(cases: Sequence[Case], solved: list[Row]) -> Beams:
+    """Return the theories with and without elements at `cases`, and all readings of the paper.
+
+    As everywhere below, rows of what is solved are added to `solved`.
+    """
     exact = [Spec(name, None) for name in (THEORY, "rayleigh", "timoshenko")]
     theory = Spec(THEORY, PAPER_ELEMENTS)
     specs = [*(Spec(THEORY, s) for s in STEPS), *exact]
     study = run(cases, [theory, *specs], MODES)
+    solved += rows(study)
     hertz = {}
     for case in study.cases:
         for spec in study.specs:
@@ -109,9 +129,10 @@ def beams(cases: Sequence[Case]) -> Beams:
             ]
     readings = {}
     for case in PRESETS.values():
-        spec = parse(case.model, "model")
-        found = spec.build().modes(case.mechanism, case.pose, MODES).frequencies
-        readings[case.name] = (case.published, found)
+        reading = run([case], [parse(case.model, "model")], MODES)
+        solved += rows(reading)
+        (modes,) = reading.modes.values()
+        readings[case.name] = (case.published, modes.frequencies[:MODES])
     # The printed stroke, level: o is as high as a limb's end.
     scan_z = np.linspace(Limits().length_min, Limits().length_max, 801)
     scan = {
@@ -120,6 +141,10 @@ def beams(cases: Sequence[Case]) -> Beams:
         )
         for case in cases
     }
+    for case in cases:
+        for z, found in zip(scan_z.tolist(), scan[case.name], strict=True):
+            there = Case(MAP, case.mechanism, replace(case.pose, z=z), case.note)
+            solved += Solved(theory, there, "condensed").rows(found, None)
     shown = [*PRESETS.values(), *cases]
     lengths = {case.name: limbs_at(case.mechanism, case.pose).lengths for case in shown}
     return Beams(
@@ -133,10 +158,11 @@ def beams(cases: Sequence[Case]) -> Beams:
     )
 
 
-def reference(cases: Sequence[Case], spec: Spec) -> Reference:
+def reference(cases: Sequence[Case], spec: Spec, solved: list[Row]) -> Reference:
     """Return a simulator's frequencies, paired by shape, or raise `UnmeasuredError`."""
     theory = parse(PAPER, "model")
     study = run(cases, [theory, spec], MODES)
+    solved += rows(study)
     if study.failures:
         raise UnmeasuredError(
             "; ".join(f"{label}: {why}" for (_, label), why in study.failures.items())
@@ -163,7 +189,7 @@ def _solid() -> str:
     raise UnavailableError("; ".join(f"{name}: {why}" for name, why in reasons.items()))
 
 
-def slender(cases: Sequence[Case]) -> Slender:
+def slender(cases: Sequence[Case], solved: list[Row]) -> Slender:
     """Return how both theories differ from rods of d/L = `THINNEST` up to the printed ones."""
     rods = [case.mechanism.limbs[0].rod.diameter for case in cases]
     lengths = [limbs_at(case.mechanism, case.pose).lengths.mean() for case in cases]
@@ -171,10 +197,13 @@ def slender(cases: Sequence[Case]) -> Slender:
     first, frequencies, stiffness = np.zeros((3, len(ratios)))
     for k, ratio in enumerate(ratios.tolist()):
         for case in (with_rods(case, ratio) for case in cases):
-            euler, timoshenko = (
+            pair = [
                 condensed_frequencies(case.mechanism, case.pose, None, beam=name, count=MODES)
-                for name in (THEORY, "timoshenko")
-            )
+                for name in THEORIES
+            ]
+            for name, found in zip(THEORIES, pair, strict=True):
+                solved += Solved(Spec(name, None), case, "condensed").rows(found, None)
+            euler, timoshenko = pair
             apart = 100 * np.abs(euler / timoshenko - 1).ravel()
             first[k] = max(first[k], apart[0])
             frequencies[k] = max(frequencies[k], apart.max())
@@ -189,7 +218,7 @@ def _stiffness_ratios(case: Case) -> Floats:
     Eigenvalues of the pair: the extremes over all directions of load.
     """
     pair = []
-    for name in (THEORY, "timoshenko"):
+    for name in THEORIES:
         K = Substructure(PAPER_ELEMENTS, name).matrices(case.mechanism, case.pose)[0].toarray()
         flexibility = np.linalg.inv(K)[-6:, -6:]
         pair.append(np.linalg.inv(flexibility))
@@ -197,9 +226,11 @@ def _stiffness_ratios(case: Case) -> Floats:
     return np.asarray(scipy.linalg.eigh(euler, timoshenko, eigvals_only=True))
 
 
-def times() -> Times:
+def times(solved: list[Row]) -> Times:
     """Return times of one pose without and with multipliers, measured in turns."""
-    timed = _timed(measure([PAPER_ELEMENTS], [], [1], ROUNDS))
+    cost = measure([PAPER_ELEMENTS], [], [1], ROUNDS)
+    solved += cost.rows
+    timed = _timed(cost)
     return Times(
         timed["substructure, dense"],
         timed["multipliers, null-space"],
@@ -207,15 +238,18 @@ def times() -> Times:
     )
 
 
-def fea_times(case: Case) -> FeaTimes:
+def fea_times(case: Case, solved: list[Row]) -> FeaTimes:
     """Return times of one pose by the paper's way and by the stand-in, in turns, and by a solid."""
     cost = measure([PAPER_ELEMENTS], [STAND_IN], [1], ROUNDS)
+    solved += cost.rows
     if cost.stand_in is None:
         raise UnmeasuredError("; ".join(cost.failures.values()))
     fea = {cost.stand_in.model: cost.stand_in.seconds}
     solid = solid_truth()
     if solid is not None:
-        modes = run([case], [solid], MODES).get(case, solid)
+        study = run([case], [solid], MODES)
+        solved += rows(study)
+        modes = study.get(case, solid)
         if modes is not None:
             fea[solid.label] = np.array([modes.build_seconds + modes.solve_seconds])
     return FeaTimes(_timed(cost)["substructure, dense"], fea)
@@ -225,11 +259,12 @@ def _timed(cost: Cost) -> dict[str, Floats]:
     return {t.model: t.seconds for t in cost.elements if t.size == PAPER_ELEMENTS}
 
 
-def maps(case: Case) -> Maps:
+def maps(case: Case, solved: list[Row]) -> Maps:
     """Return the regular workspace of a case's mechanism and the paper's f1-f3 in it."""
     limits, spec = Limits(), Spec(THEORY, PAPER_ELEMENTS)
     region = Region.of(case.mechanism, limits)
     data = workspace_map(region, Grid.of(region, region.circles.z, *SHAPE), spec, 3)
+    solved += history_rows(data)
     change, _ = rises(data)
     rings = ripple(data)[:, 1:]  # a level platform has no azimuth
     whole = np.isfinite(rings).all(axis=-1)

@@ -11,7 +11,7 @@ from analytic import Modes
 from analytic.theory import Theory
 from harness.cases import Case
 from harness.models import SOLID_LIMB, Spec
-from harness.run import mechanism_hash, settings
+from harness.run import mechanism_hash, mode_rows, settings
 
 Array = NDArray[np.float64]
 
@@ -42,38 +42,37 @@ class Solved:
     def rows(self, answer: Any, seconds: float | None) -> list[dict[str, Any]]:
         """Return a row for every mode of the answer, as of `harness.run.rows`.
 
-        `seconds` a pose were timed as a whole, matrices and all: `build_s` is 0.
+        `seconds` a pose were timed as a whole, matrices and all: `build_s` is 0. None where the
+        time is not known.
         """
-        found, mechanism = self.read(answer), self.case.mechanism
-        modes = found if isinstance(found, Modes) else None
+        found = self.read(answer)
         frequencies = found.frequencies if isinstance(found, Modes) else found
         how = {"way": self.way, "timed": self.timed, "poses": self.poses}
-        chosen = {name: value for name, value in how.items() if value}
-        uncertainty = None if modes is None else modes.uncertainty
-        theory, version = self._origin() if modes is None else (modes.theory, modes.version)
+        known = {name: value for name, value in how.items() if value}
+        chosen = settings(self.spec, len(frequencies), **known)
+        if isinstance(found, Modes):
+            rows = mode_rows(self.case, self.spec, chosen, found, len(frequencies))
+        else:
+            rows = self._frequency_rows(frequencies, chosen)
+        built = None if seconds is None else 0.0
+        return [row | {"build_s": built, "solve_s": seconds} for row in rows]
+
+    def _frequency_rows(self, frequencies: Array, chosen: str) -> list[dict[str, Any]]:
+        theory, version = self._origin()
         common = {
             "case": self.case.name,
-            "mechanism": mechanism_hash(mechanism),
+            "mechanism": mechanism_hash(self.case.mechanism),
             "z_m": self.case.pose.z,
             "azimuth_rad": self.case.pose.azimuth,
             "tilt_rad": self.case.pose.tilt,
             "model": self.spec.label,
             "theory": theory,
-            "settings": settings(self.spec, len(frequencies), **chosen),
+            "settings": chosen,
             "version": version,
-            "closure_m": None if modes is None else modes.residual,
-            "dofs": None if modes is None else modes.dofs,
-            "build_s": None if seconds is None else 0.0,
-            "solve_s": seconds,
         }
         return [
-            common
-            | {
-                "mode": i + 1,
-                "frequency_hz": float(frequencies[i]),
-                "uncertainty_hz": None if uncertainty is None else float(uncertainty[i]),
-            }
-            for i in range(len(frequencies))
+            common | {"mode": mode, "frequency_hz": value}
+            for mode, value in enumerate(frequencies.tolist(), 1)
         ]
 
     def _origin(self) -> tuple[str, str]:

@@ -59,10 +59,10 @@ def facts() -> Facts:
     noise = np.array([0.99, 1.0, 1.01])
     return Facts(
         printed(),
-        beams=beams(TABLE),
+        beams=beams(TABLE, []),
         fea=_accepted("exudyn-beam@12+24", 2e-3),
         solid=_accepted("ngsolve-solid@2+4", 4e-4),
-        slender=slender(TABLE),
+        slender=slender(TABLE, []),
         equations=equations(TABLE),
         times=Times(0.005 * noise, 0.0045 * noise, 0.01 * noise),
         fea_times=FeaTimes(
@@ -86,7 +86,7 @@ def _accepted(label: str, uncertainty: float) -> Reference:
 @pytest.fixture(scope="session")
 def mapped_facts(facts: Facts) -> Facts:
     """With the maps, which take seconds."""
-    return replace(facts, maps=maps(PRESETS["case1"]))
+    return replace(facts, maps=maps(PRESETS["case1"], []))
 
 
 @pytest.fixture

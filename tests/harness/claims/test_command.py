@@ -8,13 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import click
+import polars as pl
 import pytest
 
 from harness import published
 from harness.claims.claims import needed
 from harness.claims.data import Claim, claims, select
 from harness.claims.facts import GROUPS
+from harness.claims.measure import KEY
 from harness.cli import cli
+from harness.history.store import open_history
 from harness.options import Request
 from reference_models.exudyn_beam import ExudynBeam
 
@@ -40,9 +44,11 @@ def test_what_is_quoted_is_what_is_printed(claim: Claim) -> None:
 def test_its_command_can_be_run(claim: Claim) -> None:
     program, command, *arguments = claim.command.split()
     assert program == "rps-bench"
-    context = cli.commands[command].make_context(command, arguments)
+    found = cli.get_command(click.Context(cli), command)
+    assert found is not None
+    context = found.make_context(command, arguments)
     if command == "claims":
-        assert [found.id for found in select([context.params["only"]])] == [claim.id]
+        assert [one.id for one in select([context.params["only"]])] == [claim.id]
     elif set(context.params) == set(Request.__dataclass_fields__):
         request = Request(**context.params)
         assert request.chosen and request.shown and request.against("exudyn-beam")
@@ -83,6 +89,22 @@ def test_what_a_claim_does_not_need_is_not_measured() -> None:
     assert needed(select(["time-saved-follows"])) == []
     assert needed(select(["eq2-plane", "circular-symmetry"])) == ["equations", "maps"]
     assert set(needed(claims())) == set(GROUPS)
+
+
+def test_what_is_solved_reaches_the_history(rps_bench: Callable[..., Any], tmp_path: Path) -> None:
+    """Theories, the readings of the paper, the scan over heights and stout rods; no verdicts."""
+    only = "f1-elements,slender-members,time-saved-follows"
+    runs = []
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        answer = rps_bench("claims", "--only", only, "--history", str(folder))
+        assert answer.status == 0 and answer.err == ""
+        runs.append(open_history(folder).query("SELECT * FROM rows"))
+    first, second = (found.select(KEY) for found in runs)
+    assert first.equals(second) and first.is_unique().all()
+    assert {"case1", "case2-z-fitted", "map"} <= set(first["case"])
+    assert {"euler-bernoulli@3", "rayleigh@exact", "timoshenko@exact"} <= set(first["model"])
+    stout = first.filter(pl.col("case") == "case1")["mechanism"].n_unique()
+    assert stout == 6  # the last of which are the paper's own rods
 
 
 def test_a_missing_simulator_leaves_its_claims_unchecked(

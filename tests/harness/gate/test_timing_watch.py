@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.cases import PRESETS
 from harness.gate.study import YARDSTICK
 from harness.gate.timing_watch import LEAST, WINDOWS, changes, timings
 from harness.history.store import append, open_history
+from harness.models import Spec
+from harness.precision import cost
+from harness.precision.solved import Solved
 
 SERIES, RUNS = 40, 200
 """As many series as a whole check has."""
@@ -131,6 +135,23 @@ def test_the_history_is_asked_by_model_and_machine(tmp_path: Path) -> None:
     # Accepted from the day it began, it is the new measure: too few runs, for now.
     again = timings(open_history(tmp_path), "one", {"m1": slow.since})
     assert [one.model for one in again] == ["m0"]
+
+
+def test_other_commands_are_no_part_of_the_series(tmp_path: Path) -> None:
+    """Seconds of `cost`, of the same model timed otherwise, have no yardstick of the gate."""
+    seconds = 0.05 * np.exp(0.05 * normal(np.random.default_rng(4), (30, 1)))
+    history(tmp_path, seconds)
+    before = timings(open_history(tmp_path), "one")
+    spec, case = Spec("euler-bernoulli", 3), PRESETS["case2"]
+    rows = [
+        row | {"model": "m0", "machine": "one"}
+        for way in ("substructure, dense", cost.YARDSTICK)
+        for row in Solved(spec, case, way, cost.TIMED).rows(np.ones(6), 7.0)
+    ]
+    for day in range(20):
+        at = datetime(2026, 3, 1, tzinfo=UTC) + timedelta(days=day)
+        append(tmp_path, rows, "rps-bench cost", at)
+    assert timings(open_history(tmp_path), "one") == before
 
 
 @pytest.mark.slow

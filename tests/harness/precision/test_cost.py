@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,13 +12,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analytic import Substructure
+from analytic import Continuum, Substructure
 from analytic.kernel import compiled
-from harness import published
+from harness import published, sections
+from harness.cases import PRESETS
+from harness.gate.study import YARDSTICK
+from harness.history.store import COLUMNS, open_history
+from harness.models import Spec
 from harness.precision import cost as study
 from harness.precision.cost import Cost, Timing, growth, measure
 from harness.precision.cost_report import cost_figure, cost_tables
-from reference_models import ModelError
+from harness.reproduce import Plan
+from harness.run import rows, run
+from reference_models import ModelError, reference
 from reference_models.exudyn_cable import ExudynCable
 
 LOOPS = ["condensed"] + (["condensed, compiled"] if compiled() else [])
@@ -129,6 +136,69 @@ def test_claims_stand_beside_what_was_measured(cost: Cost) -> None:
         assert f1 < 0.1 and f6 > 10
 
 
+def keys(found: list[dict[str, Any]]) -> list[tuple[Any, ...]]:
+    """What tells rows apart, by settings but for the modes solved for, which tell no way apart."""
+    return [
+        (row["case"], row["mechanism"], row["model"], row["mode"],
+         *sorted((k, v) for k, v in json.loads(row["settings"]).items() if k != "count"))
+        for row in found
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_every_way_has_rows_of_its_own(cost: Cost) -> None:
+    case, found = PRESETS["case2"], cost.rows
+    assert all(set(row) <= set(COLUMNS) for row in found)
+    timings = [cost.yardstick, *cost.elements, cost.stand_in, *cost.batches]
+    assert len(set(keys(found))) == len(found) == 6 * len(timings)
+    # A model that was solved once, for a table, is another way to time it, too.
+    specs = [Spec("euler-bernoulli", 3), Spec("exudyn-beam", 4), Spec("exudyn-beam", (12, 24))]
+    assert not set(keys(found)) & set(keys(rows(run([case], specs, 6))))
+    # The gate's series is its own: nothing here passes for its yardstick.
+    assert YARDSTICK not in {row[name] for row in found for name in ("case", "model")}
+    again = measure([1], ["exudyn-beam"], [1], 1).rows
+    assert set(keys(again)) < set(keys(found)) and len(again) > 60
+
+
+@pytest.mark.slow
+def test_rows_hold_what_was_timed(cost: Cost) -> None:
+    case = PRESETS["case2"]
+    found = dict(zip(keys(cost.rows), cost.rows, strict=True))
+
+    def hertz(model: str, where: str = "case2", **how: Any) -> list[float]:
+        tail = tuple(sorted({"timed": "cost", **how}.items()))
+        (mechanism,) = {row["mechanism"] for row in cost.rows}
+        chosen = [found[(where, mechanism, model, mode, *tail)] for mode in range(1, 7)]
+        seconds = {(row["build_s"], row["solve_s"]) for row in chosen}
+        assert len(seconds) == 1 and seconds < every
+        return [row["frequency_hz"] for row in chosen]
+
+    timings = (cost.yardstick, cost.stand_in, *cost.elements, *cost.batches)
+    every = {(0.0, float(np.median(timing.seconds))) for timing in timings if timing}
+    close = pytest.approx
+    for s in (1, 3):
+        expected = Substructure(s).modes(case.mechanism, case.pose, 6).frequencies
+        for way in OURS:
+            assert hertz(f"euler-bernoulli@{s}", way=way) == close(expected, rel=1e-8)
+    assert hertz("euler-bernoulli@3", way=study.YARDSTICK) == close(expected, rel=1e-8)
+    beam = reference("exudyn-beam", (12, 24)).modes(case.mechanism, case.pose, 6).frequencies
+    how = {"way": "exudyn-beam", "shear": "cowper"}
+    assert hertz("exudyn-beam@12+24", **how) == close(beam, rel=1e-9)
+    for size in (1, 20):
+        pose = study.random_poses(size)[0]
+        exact = Continuum().modes(case.mechanism, pose, 6).frequencies
+        for loop in LOOPS:
+            many = hertz("euler-bernoulli@exact", "random", way=loop, poses=size)
+            assert many == close(exact, rel=1e-8)
+
+
+@pytest.mark.slow
+def test_the_main_job_keeps_the_rows(cost: Cost, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "measure", lambda *_: cost)
+    plan = Plan((PRESETS["case1"],), Spec("euler-bernoulli", 3), (), (1,), (1,))
+    assert sections.cost(plan, print).rows == cost.rows
+
+
 def test_the_published_percentage_follows_from_the_published_seconds() -> None:
     said = published.cost()
     saved = 100 * (1 - said["theoretical model"] / said["finite-element model"])
@@ -194,9 +264,12 @@ def test_a_failing_simulator_costs_only_itself(
     monkeypatch.setattr(ExudynCable, "modes", broken)
     answer = rps_bench(
         "cost", "--elements", "1", "--references", "exudyn-cable", "--repeats", "1",
-        "--batches", "1", "--output", str(tmp_path),
+        "--batches", "1", "--output", str(tmp_path), "--history", str(tmp_path / "history"),
     )  # fmt: skip
     assert answer.status == 1
+    past = open_history(tmp_path / "history").query("SELECT DISTINCT command, model FROM rows")
+    assert set(past["model"]) == {f"euler-bernoulli@{s}" for s in (1, 3, "exact")}
+    assert past["command"][0].startswith("rps-bench cost --elements 1 --references exudyn-cable")
     assert "exudyn-cable@3 failed at case2: exudyn-cable: no solution" in answer.err
     assert "0.82" in answer.out and "6.16" not in answer.out
     names = {path.name for path in tmp_path.iterdir()}

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 
 from analytic import Continuum, Modes, Substructure
+from analytic.theory import BEAMS
 from harness.cases import PRESETS
+from harness.history.store import open_history
 from harness.models import Spec
 from harness.precision.report import cheapest, meets, precision_tables, verdict
 from harness.precision.work_precision import (
@@ -24,6 +27,7 @@ from harness.precision.work_precision import (
     work_precision,
 )
 from harness.run import Study
+from harness.run import rows as study_rows
 from reference_models import ModelError, reference
 from reference_models.exudyn_cable import ExudynCable
 
@@ -126,6 +130,35 @@ def test_errors_are_those_of_separate_calls(measured: WorkPrecision) -> None:
 
 
 @pytest.mark.slow
+def test_rows_hold_what_was_judged(measured: WorkPrecision) -> None:
+    names = ("case", "model", "settings", "mode")
+    found = {tuple(row[name] for name in names): row for row in measured.rows}
+    assert len(found) == len(measured.rows)
+    for case, column in (("case1", 0), ("case2", 1)):
+        truth = measured.limits["euler-bernoulli"].modes[case].frequencies
+        for point in measured.points:
+            rows = [
+                row for row in measured.rows
+                if row["case"] == case and row["model"] == point.spec.label
+                and json.loads(row["settings"])["way"] == point.method
+            ]  # fmt: skip
+            assert [row["mode"] for row in rows] == list(range(1, len(rows) + 1))
+            assert {(row["build_s"], row["solve_s"]) for row in rows} == {
+                (0.0, float(np.median(point.seconds)))
+            }
+            assert {row["dofs"] for row in rows if "dofs" in row} <= {point.dofs}
+            if point.spec.name == "euler-bernoulli":
+                assert point.own is not None
+                judged = truth * (1 + point.own[column] / 100)
+                hertz = np.array([row["frequency_hz"] for row in rows])
+                assert np.abs(hertz[:, None] / judged - 1).min(axis=0).max() < 1e-12
+    # The truths are an ordinary study, whose rows are none of these.
+    solid = {row["model"] for row in study_rows(measured.study)}
+    assert solid == {*(f"{name}@exact" for name in BEAMS), "calculix-solid@4"}
+    assert not set(found) & {tuple(r[name] for name in names) for r in study_rows(measured.study)}
+
+
+@pytest.mark.slow
 def test_tables_say_floors_and_versions(measured: WorkPrecision) -> None:
     tables = precision_tables(measured)
     rows = list(csv.DictReader(io.StringIO(tables["work-precision"].csv())))
@@ -151,10 +184,14 @@ def test_command(
     answer = rps_bench(
         "work-precision", "--elements", "1,2", "--references", "exudyn-cable,mujoco-chain",
         "--truth", "calculix-solid@4", "--repeats", "1", "--cases", "case1",
-        "--output", str(tmp_path),
+        "--output", str(tmp_path), "--history", str(tmp_path / "history"),
     )  # fmt: skip
     assert answer.status == 1
-    assert "exudyn-cable" in answer.err and "no solution" in answer.err
+    assert answer.err.count("exudyn-cable@1 failed") == 1 and "no solution" in answer.err
+    past = open_history(tmp_path / "history").query("SELECT * FROM rows WHERE mode = 1")
+    assert set(past["command"].str.split(" ").list[1]) == {"work-precision"}
+    assert {"calculix-solid@4", "mujoco-chain@2", "rayleigh@exact"} <= set(past["model"])
+    assert "exudyn-cable@1" not in set(past["model"])
     stems = {path.name for path in tmp_path.iterdir()}
     assert {"work-precision.svg", "work-precision.csv", "cheapest.csv", "cheapest.tex"} <= stems
     written = (tmp_path / "work-precision.csv").read_text()
