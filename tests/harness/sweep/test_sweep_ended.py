@@ -12,6 +12,8 @@ import polars as pl
 import psutil
 import pytest
 
+from harness.sweep.engine import AHEAD
+
 
 @pytest.mark.slow
 def test_a_second_sweep_into_the_same_folder_is_refused(
@@ -62,7 +64,9 @@ def test_an_ended_parent_loses_no_finished_job(
     assert not any(child.is_running() for child in children)
     solved = log.read_text().count("\n")
     kept = journalled(output)
-    assert solved - 4 <= kept < 150  # but for those under way, or just answered
+    # Handed out at most, so under way, or answered but not yet kept: kept is what was reported.
+    handed_out = AHEAD * len(os.sched_getaffinity(0))
+    assert solved - handed_out <= kept < 150
     assert not (output / "frequencies.parquet").exists()
     log.unlink()
     assert ended(started(*slowly, "--output", str(output)))[0] == 0
