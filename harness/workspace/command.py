@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError, Limits, Pose
+from analytic.workspace import heights
 from harness.cases import select
 from harness.models import Spec, parse
 from harness.options import Request, takes_history
@@ -89,8 +90,9 @@ def workspace(
     limits = _limits(length_min_mm, length_max_mm, spherical_max_deg, revolute_max_deg)
     mechanism = cases[0].mechanism
     size = _grid(grid or (BATCHED if spec.analytic else ONE_BY_ONE), len(mechanism.limbs))
+    wanted = None if layers is None else _layers(layers, *heights(mechanism, limits))
     region = Region.of(mechanism, limits)
-    z = region.layers(LAYERS) if layers is None else _layers(layers, region)
+    z = region.layers(LAYERS) if wanted is None else wanted
 
     drawn, count = Grid.of(region, z, *size), max(shown)
     total = int(drawn.wanted.sum())
@@ -166,8 +168,8 @@ def _grid(text: str, limbs: int) -> tuple[int, int]:
     return a, t
 
 
-def _layers(text: str, region: Region) -> NDArray[np.float64]:
-    low, high = 1000 * region.circles.z[[0, -1]]
+def _layers(text: str, lowest: float, highest: float) -> NDArray[np.float64]:
+    low, high = 1000 * lowest, 1000 * highest
     expected = f"up to {MOST_LAYERS} heights z between {low:.1f} and {high:.1f} mm, by commas"
     values = {_number("--layers", part, expected) for part in text.split(",")}
     if len(values) > MOST_LAYERS or not all(low <= value <= high for value in values):
