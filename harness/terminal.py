@@ -1,8 +1,9 @@
 """What a command shows and writes: tables, progress, files and failures."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -64,23 +65,25 @@ def status(failures: dict[tuple[str, str], str]) -> int:
     return 1 if failures else 0
 
 
-def finish(history: Path | None, *studies: Study, more: Sequence[Mapping[str, Any]] = ()) -> int:
+KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")
+"""What tells a row of the history from the others of its run."""
+
+
+def finish(history: Path | None, *studies: Study, more: Iterable[Mapping[str, Any]] = ()) -> int:
     """Say what failed in `studies`, append their rows to the history; return the exit status.
 
-    `more` rows of the same form are appended as they are. Comes last in a command: where the
-    history cannot be written, nothing else is lost.
+    So are `more` rows of the same form. Comes last in a command: where the history cannot be
+    written, nothing else is lost.
     """
     ended = status({key: why for study in studies for key, why in study.failures.items()})
     if history is None:
         return ended
-    # Studies of one command may share a model, whose rows differ in seconds at most: the first's.
-    found = {
-        tuple(row[name] for name in ("case", "mechanism", "model", "settings", "mode")): row
-        for study in reversed(studies)
-        for row in rows(study)
-    }
-    if found or more:
+    # Parts of one command may share a model, whose rows differ in seconds at most: the first's.
+    found: dict[tuple[Any, ...], Mapping[str, Any]] = {}
+    for row in chain.from_iterable((*map(rows, studies), more)):
+        found.setdefault(tuple(row.get(name) for name in KEY), row)
+    if found:
         from harness.history.store import append
 
-        append(history, [*found.values(), *more], as_typed())
+        append(history, [*found.values()], as_typed())
     return ended
