@@ -177,22 +177,28 @@ def _command(
     module: str, name: str, said: Callable[[str, dict[str, bytes]], list[str]], *arguments: str,
     under: str = "",
 ) -> Callable[[Plan, Done], Part]:  # fmt: skip
-    """Return a section that is a command: it runs `name` of `module` and takes its files.
+    """Return a section that is a command: it runs `name` of `module`, takes its files and rows.
 
     `said` makes sentences of what it prints and writes; `under`: the folder its files go to.
     """
 
     def make(_: Plan, done: Done) -> Part:
+        from harness.history.store import open_history
+
         command = getattr(import_module(module), name)
         with TemporaryDirectory() as folder:
+            output, history = Path(folder) / "output", Path(folder) / "history"
+            places = ["--output", str(output), "--history", str(history)]
             out, err = io.StringIO(), io.StringIO()
             with redirect_stdout(out), redirect_stderr(err):
-                status = command.main([*arguments, "--output", folder], standalone_mode=False)
+                status = command.main([*arguments, *places], standalone_mode=False)
             files = {f"{under}{path.name}": path.read_bytes()
-                     for path in sorted(Path(folder).iterdir())}  # fmt: skip
+                     for path in sorted(output.glob("*"))}  # fmt: skip
+            # Its rows are of the run that this section is part of, not of one of its own.
+            found = open_history(history).query("SELECT * EXCLUDE (run, time, command) FROM rows")
         done(name)
         failures = {("all cases", name): err.getvalue().strip()} if status else None
-        return Part(files, said(out.getvalue(), files), failures=failures)
+        return Part(files, said(out.getvalue(), files), failures=failures, rows=found.to_dicts())
 
     return make
 

@@ -5,14 +5,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 
+from analytic import Mechanism, Pose
 from harness.cases import PRESETS
+from harness.cli import cli
+from harness.files import write_all
+from harness.history.store import open_history
 from harness.models import Spec
+from harness.options import takes_history
 from harness.reproduce import Part, Plan, Section, chosen, page, reproduce
-from harness.run import Study
-from harness.sections import SECTIONS
+from harness.run import Study, rows, run
+from harness.sections import SECTIONS, _command
+from harness.terminal import finish
 from reference_models import ModelError, UnavailableError
 from reference_models.exudyn_cable import ExudynCable
 
@@ -85,6 +92,61 @@ def test_a_failure_is_said_once(
     answer = rps_bench("reproduce", "--output", str(tmp_path))
     assert answer.status == 1
     assert answer.err.count(why) == answer.err.count("b: none") == 1
+
+
+@click.command()
+@click.option("--output")
+@takes_history
+def again(output: str, history: Path | None) -> int:
+    """A command that solves what another section solves too, and something else."""
+    study = run([PRESETS["case1"]], [Spec("rayleigh", 1)], 2)
+    write_all(Path(output), {"again.md": b"table"})
+    return finish(history, study, more=[row | {"case": "map"} for row in rows(study)])
+
+
+@pytest.mark.parametrize("place", ["option", "environment", "none"])
+def test_rows_of_a_command_are_of_the_run_that_it_is_part_of(
+    rps_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+) -> None:
+    """One run, where `reproduce` was told to keep it, or none; nothing twice, nothing elsewhere."""
+
+    def first(*_: object) -> Part:
+        return Part({}, [], (run([PRESETS["case1"]], [Spec("rayleigh", 1)], 2),))
+
+    command = _command(__name__, "again", lambda *_: [], under="below/")
+    monkeypatch.setattr("harness.sections.SECTIONS", [section("a", first), section("b", command)])
+    monkeypatch.chdir(tmp_path)
+    typed = ["reproduce", "--only", "a,b"]
+    if place == "environment":
+        monkeypatch.setenv("RPS_BENCH_HISTORY", "kept")
+    elif place == "option":
+        monkeypatch.setenv("RPS_BENCH_HISTORY", "other")
+        typed += ["--history", "kept"]
+    else:
+        monkeypatch.setenv("RPS_BENCH_HISTORY", "other")
+        typed += ["--history", "none"]
+    assert rps_bench(*typed).status == 0
+    assert (tmp_path / "results" / "below" / "again.md").read_bytes() == b"table"
+    if place == "none":
+        assert [path.name for path in tmp_path.iterdir()] == ["results"]
+        return
+    assert {path.name for path in tmp_path.iterdir()} == {"results", "kept"}
+    found = open_history(tmp_path / "kept").query(
+        'SELECT run, command, "case", mode, frequency_hz FROM rows ORDER BY "case", mode'
+    )
+    assert found["run"].n_unique() == 1
+    assert set(found["command"]) == {"rps-bench reproduce --only a,b"}
+    assert found["case"].to_list() == ["case1", "case1", "map", "map"]
+    assert found["mode"].to_list() == [1, 2, 1, 2]
+    wanted = Spec("rayleigh", 1).build().modes(Mechanism.paper(), Pose(0.49), 2).frequencies
+    np.testing.assert_allclose(found["frequency_hz"], [*wanted, *wanted], rtol=1e-12)
+
+
+def test_what_a_section_is_alone_keeps_a_history_too() -> None:
+    for one in SECTIONS:
+        command = cli.get_command(click.Context(cli), one.command.split()[1])
+        assert command is not None
+        assert "history" in {option.name for option in command.params}, one.name
 
 
 @pytest.mark.slow
