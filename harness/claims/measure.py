@@ -43,9 +43,6 @@ from reference_models.protocol import find
 Done = Callable[[str], None]
 Row = dict[str, Any]
 
-KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")
-"""What tells one row of the history from all others of a run."""
-
 SOLIDS = ("ngsolve-solid", "calculix-solid")
 """Solid rods, the quicker first: whichever can run here."""
 MODES = 6
@@ -62,7 +59,7 @@ def gather(
 ) -> tuple[Facts, dict[str, str], list[Row]]:
     """Return the facts of `groups`, why a group could not be measured, and all that was solved.
 
-    The last as rows for the history, each answer once.
+    The last as rows for the history.
     """
     cases = [PRESETS[name] for name in CASES]
     solved: list[Row] = []
@@ -84,10 +81,7 @@ def gather(
         except (UnavailableError, UnmeasuredError) as error:
             missing[group] = str(error)
         done(group)
-    once: dict[tuple[Any, ...], Row] = {}
-    for row in solved:
-        once.setdefault(tuple(row[name] for name in KEY), row)
-    return Facts(printed(), **found), missing, [*once.values()]
+    return Facts(printed(), **found), missing, solved
 
 
 class UnmeasuredError(RuntimeError):
