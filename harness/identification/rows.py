@@ -45,8 +45,8 @@ def _key(problem: Problem) -> tuple[object, ...]:
 def _rows(problem: Problem, values: NDArray[np.float64]) -> list[dict[str, Any]]:
     """Return what the model says of the mechanism with the fitted `values`.
 
-    To six digits, beyond which another seed finds others (5e-6 measured): rounding errors of another
-    machine then hardly ever make another mechanism, with a hash of its own, of the same fit.
+    To six digits, beyond which another seed finds others (5e-6 measured): another machine's last
+    bits then hardly ever make of the same fit another mechanism with a hash of its own.
     """
     fitted = {n: float(f"{v:.6g}") for n, v in zip(problem.names, values.tolist(), strict=True)}
     table, spec = problem.table, problem.spec
