@@ -1,6 +1,5 @@
 """`rps-bench history`: the runs so far: listed, filtered, asked in SQL, exported."""
 
-import io
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,6 +13,7 @@ from harness.options import MOST_MODES, numbers, split, takes_history
 if TYPE_CHECKING:
     import polars as pl
 
+    from harness.history.store import History
     from harness.tables import Cell, Table
 
 SHOWN = 200
@@ -28,7 +28,8 @@ SELECT run, time, any_value(command) AS command, any_value(commit) AS commit,
       FILTER (NOT regexp_matches(version, '^(rps-bench|numpy)'))) AS versions
 FROM rows {where} GROUP BY run, time ORDER BY time, run
 """
-_ROWS = 'SELECT * FROM rows {where} ORDER BY time, run, "case", model, mode'
+_ROWS = "SELECT * FROM rows {where}"
+_ORDER = ' ORDER BY time, run, "case", model, z_m, azimuth_rad, tilt_rad, mode'
 _BRIEF = (
     "run", "case", "model", "settings", "mode", "frequency_hz", "uncertainty_hz", "assurance",
     "closure_m", "dofs", "build_s", "solve_s", "version",
@@ -104,19 +105,22 @@ def history(
         raise InputError("--sql", sql, "no filter beside it: it has a WHERE of its own")
     target = _target(export)
     where, values = Wanted(**given).where()
-    asked = _ROWS if as_rows or target is not None else _RUNS
     past = open_history(history)
-    found = past.query(sql) if sql is not None else past.query(asked.format(where=where), values)
     notes = [f"skipped {path}: {why}" for path, why in past.skipped]
     if target is not None:
-        _export(found, target)
-        click.echo(f"wrote {target}: {found.height} rows")
+        # Not sorted: millions of rows are in memory for that, and are in a good order anyway.
+        asked = sql or _ROWS.format(where=where)
+        height = _export(past, asked, values, target)
+        click.echo(f"wrote {target}: {height} rows")
         for note in notes:
             click.echo(f"rps-bench: {note}", err=True)
-    elif sql is not None or as_rows:
-        show(_table(found if sql is not None else found.select(_BRIEF), history, notes))
+    elif sql is not None:
+        show(_table(*past.first(sql, {}, SHOWN), history, notes))
+    elif as_rows:
+        found, height = past.first(_ROWS.format(where=where) + _ORDER, values, SHOWN)
+        show(_table(found.select(_BRIEF), height, history, notes))
     else:
-        show(_runs(found, history, notes))
+        show(_runs(past.query(_RUNS.format(where=where), values), history, notes))
     return 0
 
 
@@ -136,24 +140,20 @@ def _target(text: str | None) -> Path | None:
     return Path(text)
 
 
-def _export(found: "pl.DataFrame", target: Path) -> None:
-    from polars.exceptions import PolarsError
+def _export(past: "History", sql: str, values: dict[str, Any], target: Path) -> int:
+    """Write the answer and return how many rows it has."""
+    from harness.files import staged
+    from harness.frames import sink
 
-    from harness.files import write_all
-
-    content = io.BytesIO()
-    try:
-        match target.suffix:
-            case ".csv":
-                found.write_csv(content)
-            case ".json":
-                found.write_json(content)
-            case _:
-                found.write_parquet(content)
-    except PolarsError as error:
-        reason = str(error).splitlines()[0]
-        raise InputError("--export", str(target), f"another form ({reason})") from None
-    write_all(target.parent, {target.name: content.getvalue()}, "--export")
+    _, height = past.first(sql, values, 0)
+    with past.scan(sql, values) as table:
+        nested = any(kind.is_nested() for kind in table.collect_schema().dtypes())
+        if nested and target.suffix == ".csv":
+            raise InputError("--export", str(target), "another form (CSV has no lists)")
+        with staged(target.parent, [target.name], "--export") as (temporary,):
+            sink(table, temporary, target.suffix)
+            temporary.replace(target)
+    return height
 
 
 def _runs(found: "pl.DataFrame", folder: Path, notes: list[str]) -> "Table":
@@ -178,13 +178,13 @@ def _short(commit: str) -> str:
     return revision[:12] + dash + dirty
 
 
-def _table(found: "pl.DataFrame", folder: Path, notes: list[str]) -> "Table":
-    """Return any frame as a table, its first rows only."""
+def _table(found: "pl.DataFrame", height: int, folder: Path, notes: list[str]) -> "Table":
+    """Return the first of `height` rows as a table."""
     from harness.tables import Table
 
-    cells = tuple(tuple(_cell(value) for value in row) for row in found.head(SHOWN).iter_rows())
-    if found.height > SHOWN:
-        notes = [f"{found.height - SHOWN} more rows; --export FILE writes them all", *notes]
+    cells = tuple(tuple(_cell(value) for value in row) for row in found.iter_rows())
+    if height > SHOWN:
+        notes = [f"{height - SHOWN} more rows; --export FILE writes them all", *notes]
     if found.is_empty():
         notes = [f"no rows found in {folder}/", *notes]
     return Table("Rows", tuple(found.columns), cells, tuple(notes))

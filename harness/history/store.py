@@ -8,61 +8,31 @@ import atexit
 import gc
 import re
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from glob import escape
-from hashlib import file_digest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import polars as pl
 
 from analytic import InputError
 from harness.files import staged
 from harness.frames import sink
+from harness.history import run_file
 from harness.history.provenance import provenance
+from harness.history.run_file import COLUMNS as COLUMNS
+from harness.history.run_file import MANY_POSES as MANY_POSES
+from harness.history.run_file import SCHEMA as SCHEMA
+from harness.history.run_file import FlawError, RunFile
 
-COLUMNS = {
-    "run": "VARCHAR",
-    "time": "TIMESTAMP",
-    "command": "VARCHAR",
-    "commit": "VARCHAR",
-    "release": "VARCHAR",
-    "machine": "VARCHAR",
-    "python": "VARCHAR",
-    "numpy": "VARCHAR",
-    "scipy": "VARCHAR",
-    "blas": "VARCHAR",
-    "case": "VARCHAR",
-    "mechanism": "VARCHAR",
-    "z_m": "DOUBLE",
-    "azimuth_rad": "DOUBLE",
-    "tilt_rad": "DOUBLE",
-    "model": "VARCHAR",
-    "theory": "VARCHAR",
-    "settings": "VARCHAR",
-    "version": "VARCHAR",
-    "mode": "BIGINT",
-    "frequency_hz": "DOUBLE",
-    "uncertainty_hz": "DOUBLE",
-    "assurance": "DOUBLE",
-    "closure_m": "DOUBLE",
-    "dofs": "BIGINT",
-    "build_s": "DOUBLE",
-    "solve_s": "DOUBLE",
-}
-"""Every column and its type; `time` is UTC. What files of an older release lack is null."""
-MANY_POSES = ("workspace", "map", "sweep")
-"""What `case` says of poses without a name: those of `check`, `workspace` and `sweep`."""
-NEEDED = ("run", "time", "model", "mode", "frequency_hz")
-_TYPES: dict[str, pl.DataType] = {
-    "VARCHAR": pl.String(),
-    "DOUBLE": pl.Float64(),
-    "BIGINT": pl.Int64(),
-    "TIMESTAMP": pl.Datetime("us"),
-}
-SCHEMA = {name: _TYPES[kind] for name, kind in COLUMNS.items()}
-_NAME = re.compile(r"\d{8}-\d{6}\.\d{6}-[0-9a-f]{6}\.([0-9a-f]{16})\.parquet")
+if TYPE_CHECKING:
+    from duckdb import DuckDBPyRelation
+
+LARGE = 250_000
+"""Bytes of a file that is still read into memory, where it takes fifty times as many."""
+Params = Sequence[object] | Mapping[str, object] | None
 
 
 def append(
@@ -94,18 +64,16 @@ def append(
     table = table.with_columns(pl.when(finite.is_finite()).then(finite))
     with staged(folder, [run], "--history") as (temporary,):
         sink(table, temporary, ".parquet")
-        path = folder / f"{run}.{_checksum(temporary)}.parquet"
+        path = folder / f"{run}.{run_file.checksum(temporary)}.parquet"
         temporary.replace(path)
     return path
 
 
-def _checksum(path: Path) -> str:
-    with path.open("rb") as file:
-        return file_digest(file, "sha256").hexdigest()[:16]
-
-
 class History:
-    """All sound runs of a folder as one table `rows` in memory, as it was when opened.
+    """All sound runs of a folder as one table `rows`, as it was when opened.
+
+    Small files are read into memory; those above `LARGE` bytes stay where they are. Without ORDER
+    BY, the rows of small files come first, in the order of time; then those of large ones.
 
     Attributes: `skipped`, the files left out and why.
     """
@@ -117,54 +85,82 @@ class History:
         atexit.unregister(gc.freeze)
         if folder.exists() and not folder.is_dir():
             raise InputError("--history", str(folder), "a folder")
+        self._folder = folder
         self.skipped: list[tuple[Path, str]] = []
-        sound: list[str] = []
-        columns: set[str] = set()
+        sound: list[RunFile] = []
         for path in sorted(folder.glob("*.parquet")):
             try:
-                columns |= _columns(path)
-                sound.append(escape(str(path)))
-            except _FlawError as flaw:
+                sound.append(run_file.read(path))
+            except FlawError as flaw:
                 self.skipped.append((path, str(flaw)))
+        small = [file for file in sound if file.stat.st_size <= LARGE]
+        self._large = [file for file in sound if file.stat.st_size > LARGE]
         self._base = duckdb.connect(config={"autoinstall_known_extensions": False})
         typed = ", ".join(f'"{name}" {kind}' for name, kind in COLUMNS.items())
-        self._base.execute(f"CREATE TABLE rows ({typed})")
-        if sound:
-            kept = ", ".join(f'"{name}"' for name in COLUMNS if name in columns)
-            try:
-                self._base.execute(
-                    f"INSERT INTO rows BY NAME SELECT {kept} "
-                    "FROM read_parquet($1, union_by_name = true) ORDER BY time, run",
-                    [sound],
-                )
-            except duckdb.Error as error:
-                expected = f"files that stay while they are read ({str(error).splitlines()[0]})"
-                raise InputError("--history", str(folder), expected) from None
+        self._base.execute(f"CREATE TABLE small ({typed})")
+        view = "SELECT * FROM small"
+        try:
+            if small:
+                order = 'time, run, "case", model, mode'
+                self._base.execute(f"INSERT INTO small BY NAME {_select(small)} ORDER BY {order}")
+            if self._large:
+                view += f" UNION ALL BY NAME {_select(self._large)}"
+            self._base.execute(f"CREATE VIEW rows AS {view}")
+        except duckdb.Error as error:
+            raise self._changed(_reason(error)) from None
+        # A name with a pattern's letters is looked up as a pattern, and read as it is.
+        paths = [str(file.path) for file in self._large]
+        allowed = ", ".join(map(_quoted, {*paths, *map(escape, paths)}))
+        self._base.execute(f"SET allowed_paths = [{allowed}]")
         self._base.execute("SET enable_external_access = false")
         self._base.execute("SET lock_configuration = true")
 
-    def query(
-        self, sql: str, params: Sequence[object] | Mapping[str, object] | None = None
-    ) -> pl.DataFrame:
+    def query(self, sql: str, params: Params = None) -> pl.DataFrame:
         """Return the answer to one SELECT over `rows`; it can change nothing and read no file.
 
         `params` fill `?`, `$1` or `$name`. Raises `InputError` for anything but one good SELECT.
         """
+        with self.scan(sql, params) as table:
+            return table.collect()
+
+    def first(self, sql: str, params: Params, most: int) -> tuple[pl.DataFrame, int]:
+        """Return the first `most` rows of what `query` returns, and how many rows that has."""
+        with self._asked(sql, params) as answer:
+            ((height,),) = answer.aggregate("count(*)").fetchall()
+            return pl.scan_arrow_c_stream(answer.limit(most)).collect(), height
+
+    @contextmanager
+    def scan(self, sql: str, params: Params = None) -> Iterator[pl.LazyFrame]:
+        """Yield what `query` returns, to be read once, a piece after the other."""
+        with self._asked(sql, params) as answer:
+            yield pl.scan_arrow_c_stream(answer)
+
+    @contextmanager
+    def _asked(self, sql: str, params: Params) -> "Iterator[DuckDBPyRelation]":
+        """Yield the answer, not read yet; say of whatever fails meanwhile what it was."""
         import duckdb
 
         expected = "one SELECT over the table rows"
+        self._stays()
         try:
-            statements = self._base.extract_statements(sql)
+            # Of its own, in case an answer is never read to its end.
+            base = self._base.cursor()
+            statements = base.extract_statements(sql)
             if [s.type for s in statements] != [duckdb.StatementType.SELECT]:
                 raise InputError("--sql", sql, expected)
-            answer = self._base.sql(sql, params=params)
-            # Row by row: polars does not let go of an Arrow stream, which duckdb complains of too.
-            types = [_TYPES.get(str(kind)) for kind in answer.types]
-            schema = list(zip(answer.columns, types, strict=True))
-            return pl.DataFrame(answer.fetchall(), schema, orient="row", infer_schema_length=None)
-        except (duckdb.Error, pl.exceptions.DuplicateError) as error:
-            reason = str(error).splitlines()[0]
-            raise InputError("--sql", sql, f"{expected} ({reason})") from None
+            yield _plain(base.sql(sql, params=params))
+        except (duckdb.Error, pl.exceptions.PolarsError) as error:
+            self._stays()
+            raise InputError("--sql", sql, f"{expected} ({_reason(error)})") from None
+        self._stays()
+
+    def _stays(self) -> None:
+        for file in self._large:
+            if why := file.changed():
+                raise self._changed(why)
+
+    def _changed(self, why: str) -> InputError:
+        return InputError("--history", str(self._folder), f"files that stay while read ({why})")
 
 
 def open_history(folder: Path) -> History:
@@ -172,28 +168,28 @@ def open_history(folder: Path) -> History:
     return History(folder)
 
 
-class _FlawError(Exception):
-    """Why a file is not part of the history."""
+def _select(files: Sequence[RunFile]) -> str:
+    """Return the SELECT of all rows of some files, of the columns that any of them has."""
+    found = frozenset().union(*(file.columns for file in files))
+    kept = ", ".join(f'"{name}"' for name in COLUMNS if name in found)
+    paths = ", ".join(_quoted(escape(str(file.path))) for file in files)
+    return f"SELECT {kept} FROM read_parquet([{paths}], union_by_name = true)"
 
 
-def _columns(path: Path) -> set[str]:
-    """Return which of `COLUMNS` a sound file has."""
-    named = _NAME.fullmatch(path.name)
-    if named is None:
-        raise _FlawError("not written by rps-bench: its name is not RUN.CHECKSUM.parquet")
-    try:
-        size = path.stat().st_size
-        whole = _checksum(path) == named[1]
-    except OSError as error:
-        raise _FlawError(f"cannot be read ({error.strerror})") from None
-    if not whole:
-        raise _FlawError(f"damaged: {size} bytes that are not those that were written")
-    with path.open("rb") as file:  # its name may look like a pattern
-        schema = pl.read_parquet_schema(file)
-    for name in NEEDED:
-        if name not in schema:
-            raise _FlawError(f"of another release: it has no column {name}")
-    for name, kind in SCHEMA.items():
-        if name in schema and schema[name] != kind:
-            raise _FlawError(f"of another release: its column {name} is {schema[name]}, not {kind}")
-    return set(schema) & set(SCHEMA)
+def _quoted(text: str) -> str:
+    return "'" + text.replace("'", "''") + "'"
+
+
+def _plain(answer: "DuckDBPyRelation") -> "DuckDBPyRelation":
+    """Return the answer without the types that polars has not, or shows worse."""
+    casts = []
+    for name, kind in zip(answer.columns, map(str, answer.types), strict=True):
+        plain = "BIGINT" if kind.endswith("HUGEINT") else "VARCHAR"
+        if plain == "BIGINT" or re.search("INTERVAL|UNION|BIT", kind):
+            quoted = '"' + name.replace('"', '""') + '"'
+            casts.append(f"CAST({quoted} AS {plain}) AS {quoted}")
+    return answer.project(f"* REPLACE ({', '.join(casts)})") if casts else answer
+
+
+def _reason(error: Exception) -> str:
+    return str(error).splitlines()[0].removeprefix("got external error: ")

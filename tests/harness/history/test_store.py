@@ -18,7 +18,7 @@ import pytest
 from analytic import InputError
 from harness.files import OutputError
 from harness.history import provenance as origin
-from harness.history import store
+from harness.history import run_file, store
 from harness.history.provenance import provenance
 from harness.history.store import append, open_history
 
@@ -228,7 +228,7 @@ def write_as_another_release(folder: Path, frame: pl.DataFrame) -> Path:
     """A file that is whole, of a release with other columns."""
     staged = folder / "staged"
     frame.write_parquet(staged)
-    checksum = store._checksum(staged)
+    checksum = run_file.checksum(staged)
     path = folder / f"20250101-000000.000000-abcdef.{checksum}.parquet"
     staged.rename(path)
     return path
@@ -324,15 +324,15 @@ def test_a_folder_that_is_not_there_is_empty(tmp_path: Path) -> None:
 
 def test_a_file_that_is_removed_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     append(tmp_path, some_rows(), "table")
-    check = store._columns
+    read = run_file.read
 
-    def removing(path: Path) -> set[str]:
-        found = check(path)
+    def removing(path: Path) -> run_file.RunFile:
+        found = read(path)
         path.unlink()
         return found
 
-    monkeypatch.setattr(store, "_columns", removing)
-    with pytest.raises(InputError, match=r"--history = .*files that stay while they are read"):
+    monkeypatch.setattr(run_file, "read", removing)
+    with pytest.raises(InputError, match=r"--history = .*files that stay while read"):
         open_history(tmp_path)
 
 
