@@ -171,4 +171,4 @@ def test_bad_input(robot: Mechanism, case1: Pose, workspace_poses: Poses) -> Non
     with pytest.raises(InputError, match="one pose at a time"):
         ExudynFfrf(MESH).modes(robot, workspace_poses(2, 5))
     with pytest.raises(InputError, match="at most"):
-        ExudynFfrf(MESH, 1).modes(robot, case1, count=100)
+        ExudynFfrf(MESH).modes(robot, case1, count=100)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import polars as pl
@@ -28,28 +29,53 @@ def _ended(process: subprocess.Popen[str]) -> tuple[int, str, str]:
     return process.returncode, out, err
 
 
-def _journalled(folder: Path) -> int:
-    """How many jobs are in the journal of a process that has ended."""
-    base = sqlite3.connect(folder / "journal.sqlite")
-    (count,) = base.execute("SELECT count(*) FROM jobs").fetchone()
-    base.close()
-    return int(count)
-
-
-def _wait_for(log: Path, lines: int) -> None:
-    """Wait until the model `trial` has been solved so many times."""
-    deadline = time.monotonic() + 60
-    while not log.exists() or log.read_text().count("\n") < lines:
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def _assert_complete(folder: Path, poses: int, modes: int) -> pl.DataFrame:
     rows = pl.read_parquet(folder / "frequencies.parquet")
     assert len(rows) == poses * modes
     assert len(rows.unique(["model", "pose", "mode"])) == poses * modes
     assert not [path.name for path in folder.iterdir() if path.name.startswith(".")]
     return rows
+
+
+@dataclass(frozen=True)
+class SlowSweep:
+    """A sweep of 150 poses by the model `trial`, slow enough to be ended in the middle."""
+
+    output: Path
+    log: Path
+
+    def started(self, *options: str, before: str = "") -> subprocess.Popen[str]:
+        return _started(*SLOWLY, "--output", str(self.output), *options, before=before)
+
+    def ended(self, process: subprocess.Popen[str]) -> tuple[int, str, str]:
+        return _ended(process)
+
+    def kept(self) -> int:
+        """How many jobs are in the journal of a process that has ended."""
+        base = sqlite3.connect(self.output / "journal.sqlite")
+        (count,) = base.execute("SELECT count(*) FROM jobs").fetchone()
+        base.close()
+        return int(count)
+
+    def solved(self) -> int:
+        """How many poses were solved, some perhaps in vain, since the log was removed."""
+        return self.log.read_text().count("\n") if self.log.exists() else 0
+
+    def wait_for(self, poses: int) -> None:
+        deadline = time.monotonic() + 60
+        while self.solved() < poses:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+    def goes_on(self, kept: int) -> pl.DataFrame:
+        """Once more: what was kept is not solved again, and every row is there."""
+        self.log.unlink()
+        assert self.ended(self.started())[0] == 0
+        assert self.solved() == 150 - kept
+        return self.complete()
+
+    def complete(self) -> pl.DataFrame:
+        return _assert_complete(self.output, 150, 4)
 
 
 @pytest.fixture
@@ -63,26 +89,17 @@ def ended() -> Callable[..., tuple[int, str, str]]:
 
 
 @pytest.fixture
-def journalled() -> Callable[[Path], int]:
-    return _journalled
-
-
-@pytest.fixture
-def wait_for() -> Callable[[Path, int], None]:
-    return _wait_for
-
-
-@pytest.fixture
 def assert_complete() -> Callable[[Path, int, int], pl.DataFrame]:
     return _assert_complete
 
 
 @pytest.fixture
-def slowly() -> tuple[str, ...]:
-    return SLOWLY
+def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where the model `trial` writes a line for every pose that it solves."""
+    monkeypatch.setenv("TRIAL_LOG", str(tmp_path / "log"))
+    return tmp_path / "log"
 
 
 @pytest.fixture
-def log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("TRIAL_LOG", str(tmp_path / "log"))
-    return tmp_path / "log"
+def slow_sweep(tmp_path: Path, log: Path, plugin: None) -> SlowSweep:
+    return SlowSweep(tmp_path / "out", log)

@@ -8,7 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import polars as pl
 import psutil
 import pytest
 
@@ -85,59 +84,33 @@ def test_a_cluster_without_workers_is_one_sentence(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("lost", ["its scheduler", "every worker"])
-def test_a_cluster_that_ends_loses_no_finished_job(
-    started: Callable[..., subprocess.Popen[str]],
-    ended: Callable[..., tuple[int, str, str]],
-    journalled: Callable[[Path], int],
-    wait_for: Callable[[Path, int], None],
-    assert_complete: Callable[[Path, int, int], pl.DataFrame],
-    slowly: tuple[str, ...],
-    lost: str,
-    tmp_path: Path,
-    log: Path,
-    plugin: None,
-) -> None:
-    output = tmp_path / "out"
+def test_a_cluster_that_ends_loses_no_finished_job(slow_sweep: Any, lost: str) -> None:
     with cluster() as (address, dask):
         short = "import harness.sweep.cluster; harness.sweep.cluster.REACH = 3.0"
-        process = started(*slowly, "--scheduler", address, "--output", str(output), before=short)
-        wait_for(log, 40)
+        process = slow_sweep.started("--scheduler", address, before=short)
+        slow_sweep.wait_for(40)
         if lost == "its scheduler":
             dask.kill()
         else:
             dask.stdin.write("\n")
             dask.stdin.flush()
-        status, _, err = ended(process)
+        status, _, err = slow_sweep.ended(process)
     assert status == 2
     assert err.startswith(f"rps-bench: --scheduler = {address!r}: expected a Dask cluster that ")
     assert f"({lost} has gone; finished jobs are kept" in err
     assert len(err.splitlines()) == 1, err
-    kept = journalled(output)
+    kept = slow_sweep.kept()
     assert 30 <= kept < 150
-    log.unlink()
-    assert ended(started(*slowly, "--output", str(output)))[0] == 0
-    assert log.read_text().count("\n") == 150 - kept
-    assert_complete(output, 150, 4)
+    slow_sweep.goes_on(kept)
 
 
 @pytest.mark.slow
-def test_a_cluster_whose_workers_are_killed_leaves_every_row_once(
-    started: Callable[..., subprocess.Popen[str]],
-    ended: Callable[..., tuple[int, str, str]],
-    wait_for: Callable[[Path, int], None],
-    assert_complete: Callable[[Path, int, int], pl.DataFrame],
-    slowly: tuple[str, ...],
-    tmp_path: Path,
-    log: Path,
-    plugin: None,
-) -> None:
+def test_a_cluster_whose_workers_are_killed_leaves_every_row_once(slow_sweep: Any) -> None:
     """Kills a process that holds a job, then a Dask worker; both come back."""
-    output = tmp_path / "out"
     with cluster() as (address, dask):
-        given = (*slowly, "--scheduler", address, "--tries", "10", "--output", str(output))
-        process = started(*given)
+        process = slow_sweep.started("--scheduler", address, "--tries", "10")
         for lines, of_harness in ((20, True), (60, False), (100, True)):
-            wait_for(log, lines)
+            slow_sweep.wait_for(lines)
             workers = [
                 other
                 for other in dask.children(recursive=True)
@@ -145,9 +118,9 @@ def test_a_cluster_whose_workers_are_killed_leaves_every_row_once(
                 and (of_harness or any("spawn_main" in word for word in other.cmdline()))
             ]
             workers[0].kill()
-        status, _, err = ended(process)
+        status, _, err = slow_sweep.ended(process)
     assert status == 0, err
-    assert_complete(output, 150, 4)
+    slow_sweep.complete()
 
 
 @pytest.mark.slow

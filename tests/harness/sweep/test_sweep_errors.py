@@ -80,7 +80,7 @@ def test_a_simulator_that_misses_a_mode_is_found_out(
     poses = tmp_path / "poses.csv"
     poses.write_text("z_mm,azimuth_deg,tilt_deg\n400,10,5\n410,20,-6\n420,30,7\n430,40,-8\n")
     given = ("--poses", str(poses), "--models", "trial@9", "--against", "euler-bernoulli@exact")
-    answer = rps_bench("sweep", *given, "--output", str(tmp_path))
+    answer = rps_bench("sweep", *given, "--cores", "1", "--output", str(tmp_path))
     assert answer.status == 0, answer.err
     table = pl.read_csv(tmp_path / "errors.csv")
     assert table["Miscounted"].to_list() == ["0 of 4"] * 2 + ["2 of 4"] * 4
