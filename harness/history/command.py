@@ -29,7 +29,7 @@ SELECT run, time, any_value(command) AS command, any_value(commit) AS commit,
 FROM rows {where} GROUP BY run, time ORDER BY time, run
 """
 _ROWS = "SELECT * FROM rows {where}"
-_ORDER = ' ORDER BY time, run, "case", model, z_m, azimuth_rad, tilt_rad, mode'
+"""Not sorted: for that, millions of rows would all be in memory, and they come in a good order."""
 _BRIEF = (
     "run", "case", "model", "settings", "mode", "frequency_hz", "uncertainty_hz", "assurance",
     "closure_m", "dofs", "build_s", "solve_s", "version",
@@ -108,16 +108,14 @@ def history(
     past = open_history(history)
     notes = [f"skipped {path}: {why}" for path, why in past.skipped]
     if target is not None:
-        # Not sorted: millions of rows are in memory for that, and are in a good order anyway.
-        asked = sql or _ROWS.format(where=where)
-        height = _export(past, asked, values, target)
+        height = _export(past, sql or _ROWS.format(where=where), values, target)
         click.echo(f"wrote {target}: {height} rows")
         for note in notes:
             click.echo(f"rps-bench: {note}", err=True)
     elif sql is not None:
         show(_table(*past.first(sql, {}, SHOWN), history, notes))
     elif as_rows:
-        found, height = past.first(_ROWS.format(where=where) + _ORDER, values, SHOWN)
+        found, height = past.first(_ROWS.format(where=where), values, SHOWN)
         show(_table(found.select(_BRIEF), height, history, notes))
     else:
         show(_runs(past.query(_RUNS.format(where=where), values), history, notes))
