@@ -1,67 +1,82 @@
 """History: every frequency and timing of every recorded run, compactly."""
 
-import json
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
 import polars as pl
 
-from harness.report.ledger import Ledger
+from harness.cases import PRESETS
+from harness.report.ledger import Ledger, at, in_words, variant
 from harness.report.section import Section, digits
 from harness.report.sources import Sources
+from harness.run import mechanism_hash
 
-MOST_NUMBERS = 120_000
-"""Values kept in the page; of more, the newest runs."""
 YARDSTICK = "yardstick"  # the gate's model that only says how fast the machine was
 RUN = ("run", "time", "command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
-SERIES = ["case", "model", "mechanism", "variant"]
+POSE = ["z_m", "azimuth_rad", "tilt_rad"]
+SERIES = ["case", "model", "variant"]
+NEWEST = 12
+"""Rows of the tables of runs and of sweeps."""
 
 
 def section(sources: Sources, ledger: Ledger) -> Section:
     """Return the section."""
-    title = "History"
-    if sources.points.is_empty():
+    recorded = sources.recorded
+    if recorded.runs.is_empty():
         missing = "every run records itself: `rps-bench table`, say, makes this section"
-        return Section("history", title, missing=missing)
-    yard = sources.points.filter(pl.col("model") == YARDSTICK)
-    runs, points = _newest(sources.runs, sources.points.filter(pl.col("model") != YARDSTICK))
+        return Section("history", "History", missing=missing)
+    yard = recorded.points.filter(pl.col("model") == YARDSTICK)
+    points = recorded.points.filter(pl.col("model") != YARDSTICK)
+    runs = recorded.runs.filter(pl.col("run").is_in(points["run"].unique().implode()))
     place = {run: k for k, run in enumerate(runs["run"])}
-    points = points.with_columns(pl.col("run").replace_strict(place).alias("place"))
-    variants = {one: _variant(one) for one in points["settings"].unique()}
-    points = points.with_columns(
-        pl.col("settings").replace_strict(variants, return_dtype=pl.String).alias("variant")
-    ).sort("place", "mode", maintain_order=True)
+    points = _told_apart(points).with_columns(pl.col("run").replace_strict(place).alias("place"))
     series = [_series(group) for group in points.partition_by(SERIES, maintain_order=True)]
     seconds = dict(zip(yard["run"], yard["solve_s"], strict=True))
     yardstick = [_milliseconds(seconds.get(run)) for run in runs["run"]]
-    data = {"runs": _runs(runs), "series": series, "yardstick": yardstick}
+    data = {"runs": _runs(runs), "series": series, "yardstick": yardstick} if series else None
+    about = {row["run"]: row for row in recorded.runs.to_dicts()}
     context = {
-        "models": list(dict.fromkeys(one["model"] for one in series)),
         "cases": list(dict.fromkeys(one["case"] for one in series)),
+        "series": len(series),
         "shown": len(runs),
-        "all": len(sources.runs),
-        "latest": sources.runs.tail(12).reverse().to_dicts(),
+        "older": recorded.older,
+        "latest": recorded.runs.tail(NEWEST).reverse().to_dicts(),
+        "all": len(recorded.runs),
+        "sweeps": [about[one["run"]] | one for one in recorded.sweeps.head(NEWEST).to_dicts()],
+        "all_sweeps": len(recorded.sweeps),
     }
-    return Section("history", title, context, data)
+    return Section("history", "History", context, data)
 
 
-def _variant(settings: str | None) -> str:
-    """Return the settings that make a number another one: not how many modes were asked for."""
-    try:
-        known = json.loads(settings or "{}")
-    except ValueError:
-        return settings or ""
-    known = {name: value for name, value in known.items() if name != "count"}
-    return json.dumps(known, sort_keys=True) if known else ""
+def _told_apart(points: pl.DataFrame) -> pl.DataFrame:
+    """Return `points` with `variant`: in words what sets rows of a model at a case apart.
 
-
-def _newest(runs: pl.DataFrame, points: pl.DataFrame) -> tuple[pl.DataFrame, pl.DataFrame]:
-    """Return the newest runs that have points, as many as the page can hold."""
-    size = points.group_by("run").len("own")
-    runs = runs.join(size, on="run").sort("time", "run", descending=True)
-    runs = runs.filter((pl.col("own").cum_sum() <= MOST_NUMBERS) | (pl.col("own").cum_count() == 1))
-    runs = runs.reverse()
-    return runs, points.filter(pl.col("run").is_in(runs["run"].implode()))
+    That is how they were solved, and a mechanism or a pose that are not the case's own; nothing for
+    what is usual.
+    """
+    keys = ["case", "model", "mechanism", "settings", *POSE]
+    known = points.select(keys).unique(maintain_order=True).to_dicts()
+    mechanisms, poses = defaultdict(set), defaultdict(set)
+    for one in known:
+        one["variant"] = variant(one["settings"])
+        one["pose"] = tuple(one.pop(name) for name in POSE)
+        alike = one["case"], one["variant"]
+        mechanisms[alike].add(one["mechanism"])
+        poses[alike, one["mechanism"]].add(one["pose"])
+    for one in known:
+        home, alike = PRESETS.get(one["case"]), (one["case"], one["variant"])
+        mechanism = home and mechanism_hash(home.mechanism)
+        pose = home and (home.pose.z, home.pose.azimuth, home.pose.tilt)
+        words = [one["variant"]]
+        if len(mechanisms[alike]) > 1 and one["mechanism"] != mechanism:
+            words.append(f"mechanism {one['mechanism']}")
+        if len(poses[alike, one["mechanism"]]) > 1 and one["pose"] != pose:
+            words.append(at(*one["pose"]))
+        one["variant"] = ", ".join(word for word in words if word)
+        one |= dict(zip(POSE, one.pop("pose"), strict=True))
+    apart = pl.DataFrame(known, {**points.select(keys).schema, "variant": pl.String})
+    return points.join(apart, on=keys, nulls_equal=True, maintain_order="left")
 
 
 def _runs(runs: pl.DataFrame) -> dict[str, list[Any]]:
@@ -80,9 +95,10 @@ def _series(group: pl.DataFrame) -> dict[str, Any]:
     places = once["place"].to_list()
     frequency: dict[str, list[Any]] = {}
     for (mode,), rows in group.partition_by("mode", as_dict=True, maintain_order=True).items():
-        known = dict(zip(rows["place"], rows["frequency_hz"], strict=True))
-        frequency[str(mode)] = changes([digits(known.get(place)) for place in places])
-    constant = {name: changes(once[name].to_list()) for name in ("version", "theory", "settings")}
+        known = rows.unique("place", keep="first", maintain_order=True)
+        given = dict(zip(known["place"], known["frequency_hz"], strict=True))
+        frequency[str(mode)] = changes([digits(given.get(place)) for place in places])
+    settings = [in_words(one) for one in once["settings"]]
     return {
         "case": first["case"],
         "model": first["model"],
@@ -93,7 +109,8 @@ def _series(group: pl.DataFrame) -> dict[str, Any]:
         "build": [_milliseconds(value) for value in once["build_s"]],
         "solve": [_milliseconds(value) for value in once["solve_s"]],
         "f": frequency,
-        **constant,
+        "settings": changes(settings),
+        **{name: changes(once[name].to_list()) for name in ("version", "theory")},
     }
 
 

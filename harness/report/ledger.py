@@ -1,7 +1,7 @@
 """Where every number on the page comes from: one record a source, shared by its numbers."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,14 @@ from harness.report.sources import Sources
 from harness.run import Study
 
 Fields = dict[str, str]
+PHRASES = {
+    "way": "{}",
+    "timed": "timed by {}",
+    "poses": "batches of {} poses",
+    "table": "{}",
+    "case": "{}",
+}
+"""Settings of a row that their name and value do not say in words."""
 
 
 class Ledger:
@@ -23,7 +31,7 @@ class Ledger:
         self._sources = sources
         self._places: dict[Any, int] = {}
         self.records: list[dict[str, Any]] = []
-        self.versions = {row["run"]: row for row in sources.runs.iter_rows(named=True)}
+        self.versions = {row["run"]: row for row in sources.recorded.runs.iter_rows(named=True)}
 
     def add(self, title: str, fields: Fields, parts: Sequence[int | None] = ()) -> int:
         """Return the number of a record; the same record is kept once. Empty fields are left out.
@@ -85,7 +93,7 @@ class Ledger:
 
     def _recorded(self, case: str, label: str, first: float) -> dict[str, Any] | None:
         """Return a row of the newest recorded run whose first frequency is this one, if any."""
-        points = self._sources.points
+        points = self._sources.recorded.points
         if points.is_empty():
             return None
         same = points.filter(case=case, model=label, mode=1)
@@ -97,10 +105,20 @@ class Ledger:
 
 def where(case: str, z: float, azimuth: float, tilt: float, mechanism: str) -> Fields:
     """Return case, pose and mechanism in words."""
-    degrees = np.degrees([azimuth, tilt])
-    pose = f"z = {1000 * z:.6g} mm, azimuth {degrees[0]:.6g}°, tilt {degrees[1]:.6g}°"
     note = PRESETS[case].note if case in PRESETS else ""
-    return {"Case": f"{case}: {note}" if note else case, "Pose": pose, "Mechanism": mechanism}
+    return {
+        "Case": f"{case}: {note}" if note else case,
+        "Pose": at(z, azimuth, tilt),
+        "Mechanism": mechanism,
+    }
+
+
+def at(z: float | None, azimuth: float | None, tilt: float | None) -> str:
+    """Return a pose in words."""
+    if z is None or azimuth is None or tilt is None:
+        return "no pose"
+    degrees = np.degrees([azimuth, tilt])
+    return f"z = {1000 * z:.6g} mm, azimuth {degrees[0]:.6g}°, tilt {degrees[1]:.6g}°"
 
 
 def what(label: str, theory: str, version: str, settings: str | None) -> Fields:
@@ -117,12 +135,32 @@ def what(label: str, theory: str, version: str, settings: str | None) -> Fields:
 
 
 def in_words(settings: str | None) -> str:
-    """Return a row's settings, JSON, as "name value, name value"."""
+    """Return a row's settings, JSON, in words."""
+    return _words(_settings(settings))
+
+
+def variant(settings: str | None) -> str:
+    """Return in words what sets a row apart from its model's usual ones; "" for those."""
+    known = _settings(settings)
+    usual = {"count": known.get("count"), "shear": Spec.shear}
+    return _words({name: v for name, v in known.items() if name not in usual or v != usual[name]})
+
+
+def _settings(text: str | None) -> dict[str, Any]:
     try:
-        known = json.loads(settings or "{}")
+        known = json.loads(text or "{}")
     except ValueError:
-        return settings or ""
-    return ", ".join(f"{name} {value}" for name, value in known.items())
+        known = text
+    return known if isinstance(known, dict) else {"settings": known}
+
+
+def _words(known: Mapping[str, Any]) -> str:
+    return ", ".join(
+        f"{name} ({_words(value)})"
+        if isinstance(value, dict)
+        else PHRASES.get(name, name + " {}").format(value)
+        for name, value in known.items()
+    )
 
 
 def uncertainty(rows: Sequence[dict[str, Any]]) -> str:

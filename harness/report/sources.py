@@ -13,15 +13,13 @@ import polars as pl
 from analytic import InputError
 from analytic.theory import BEAMS
 from harness.cases import PRESETS
-from harness.history.store import open_history
 from harness.models import Spec
+from harness.report.recorded import MOST_NUMBERS, MOST_POINTS, Recorded, read_recorded
 from harness.run import Study, run
 
 TABLES = ("table1", "fig3", "references", "budget", "work-precision", "cheapest", "claims")
 CASES = ("case1", "case2")
 ELEMENTS = tuple(range(1, 9))
-WORKSPACE = "workspace"  # the case of the gate's poses over the workspace
-ABOUT_RUN = ("command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
 
 
 @dataclass(frozen=True)
@@ -39,10 +37,9 @@ class Sources:
     """What the sections are made from.
 
     Attributes: `tables` by stem, those there are; `frequencies`, tidy rows of the accepted run;
-    `map`, the detailed workspace map; `claims`; `check`, the gate's last answer or None; `runs`,
-    `points` and `workspace` of the history (one row a run; a case, model and mode; a pose);
-    `skipped`, files that could not be read and why; `study`, the analytic models at the paper's
-    two cases, solved now.
+    `map`, the accepted workspace map; `claims`; `check`, the gate's last answer or None;
+    `recorded`, the history; `skipped`, what was left out and why; `study`, the analytic models at
+    the paper's two cases, solved now.
     """
 
     tables: Mapping[str, TableFile]
@@ -50,9 +47,7 @@ class Sources:
     map: pl.DataFrame
     claims: tuple[dict[str, str], ...]
     check: dict[str, Any] | None
-    runs: pl.DataFrame
-    points: pl.DataFrame
-    workspace: pl.DataFrame
+    recorded: Recorded
     skipped: tuple[tuple[str, str], ...]
     study: Study
 
@@ -76,17 +71,16 @@ def read_sources(results: Path, history: Path | None) -> Sources:
                 skipped.append((f"{stem}.csv", str(error)))
     claims = _json(results / "claims.json", skipped)
     check = _json(results / "check.json", skipped)
-    runs, points, workspace = _history(history, skipped)
+    accepted = _map(results / "workspace" / "map.csv", skipped)
+    recorded = read_recorded(history, MOST_NUMBERS - _numbers(accepted))
     return Sources(
         tables,
         _frame(results / "frequencies.csv", skipped),
-        _frame(results / "workspace" / "map.csv", skipped),
+        accepted,
         tuple(claims) if isinstance(claims, list) else (),
         check if isinstance(check, dict) else None,
-        runs,
-        points,
-        workspace,
-        tuple(skipped),
+        recorded,
+        (*skipped, *recorded.skipped),
         _solve(),
     )
 
@@ -123,34 +117,18 @@ def _frame(path: Path, skipped: list[tuple[str, str]]) -> pl.DataFrame:
         return pl.DataFrame()
 
 
-def _history(
-    folder: Path | None, skipped: list[tuple[str, str]]
-) -> tuple[pl.DataFrame, pl.DataFrame, pl.DataFrame]:
-    """Return the runs in the order of time, their named cases, and their workspace poses."""
-    nothing = pl.DataFrame()
-    if folder is None:
-        return nothing, nothing, nothing
-    store = open_history(folder)
-    skipped += [(path.name, why) for path, why in store.skipped]
-    about = ", ".join(
-        f'coalesce(any_value("{name}"), \'not known\') AS "{name}"' for name in ABOUT_RUN
-    )
-    runs = store.query(
-        f"""SELECT run, {about}, min(time) AS time, count(*) AS "rows" FROM rows
-        GROUP BY run ORDER BY time, run"""
-    )
-    points = store.query(
-        """SELECT run, "case", mechanism, z_m, azimuth_rad, tilt_rad, model, theory, settings,
-        version, mode, frequency_hz, uncertainty_hz, assurance, closure_m, dofs, build_s, solve_s
-        FROM rows WHERE "case" IS DISTINCT FROM ?""",
-        [WORKSPACE],
-    )
-    workspace = store.query(
-        """SELECT run, mechanism, z_m, azimuth_rad, tilt_rad, model, theory, settings, version,
-        mode, frequency_hz FROM rows WHERE "case" = ?""",
-        [WORKSPACE],
-    )
-    return runs, points, workspace
+def _map(path: Path, skipped: list[tuple[str, str]]) -> pl.DataFrame:
+    frame = _frame(path, skipped)
+    if _numbers(frame) <= MOST_NUMBERS - MOST_POINTS:
+        return frame
+    skipped.append((path.name, f"of {frame.height:,} poses: too large for the page"))
+    return pl.DataFrame()
+
+
+def _numbers(accepted: pl.DataFrame) -> int:
+    """Return how many frequencies and poses a map has."""
+    modes = [name for name in accepted.columns if name.endswith("_hz")]
+    return accepted.height * (len(modes) + 1)
 
 
 @cache

@@ -22,13 +22,14 @@ def kind(verdict: str) -> str:
 def section(sources: Sources, ledger: Ledger) -> Section:
     """Return the section."""
     counts = Counter(kind(claim.get("verdict", "")) for claim in sources.claims)
-    latest = sources.runs.tail(1).to_dicts()
+    runs = sources.recorded.runs
+    latest = runs.tail(1).to_dicts()
     context = {
         "gate": _gate(sources.check),
         "claims": [(name, counts[name]) for name in (*VERDICTS, "other") if counts[name]],
         "latest": _newest(latest[0]) if latest else None,
-        "runs": len(sources.runs),
-        "rows": int(sources.runs["rows"].sum()) if latest else 0,
+        "runs": len(runs),
+        "rows": int(runs["rows"].sum()) if latest else 0,
         "skipped": sources.skipped,
     }
     return Section("status", "Status", context)

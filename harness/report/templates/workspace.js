@@ -4,6 +4,9 @@ if (workspace) {
   const CONTROLS = ["set", "run", "model", "mode", "layer", "show", "other", "since"].map((one) => `ws-${one}`);
   const value = (one) => $(`ws-${one}`).value;
   const chosen = () => workspace.find((one) => one.name === value("set"));
+  // Another model's map at the same poses may be of another run: the newest that has it.
+  const modelOf = (set, run, model) =>
+    run.models[model] ?? set.runs.find((one) => one.models[model]).models[model];
   const numbered = (list) => list.map((one, k) => [k, one.name]);
 
   // What can be chosen depends on the poses, the run and the model.
@@ -12,15 +15,20 @@ if (workspace) {
     select("ws-run", numbered(set.runs));
     const run = set.runs[value("run")];
     const models = Object.keys(run.models);
+    const everyModel = [...new Set(set.runs.flatMap((one) => Object.keys(one.models)))];
     select("ws-model", models.map((one) => [one, one]));
     const grids = set.values[run.models[value("model")].values];
     select("ws-mode", grids.map((_, k) => [k, `f${k + 1}`]));
     const heights = [...new Set(set.poses.map((pose) => pose[0]))].sort((a, b) => a - b);
     select("ws-layer", heights.map((z) => [z, `${+z.toFixed(3)} mm`]));
-    select("ws-other", models.filter((one) => one !== value("model")).map((one) => [one, one]));
-    const earlier = numbered(set.runs).filter(([k]) => k > Number(value("run")));
+    const others = everyModel.filter((one) => one !== value("model"));
+    select("ws-other", others.map((one) => [one, one]));
+    // The accepted map may be of any age: every other one can be held against it.
+    const own = Number(value("run"));
+    const earlier = numbered(set.runs).filter(([k, name]) => set.runs[k].models[value("model")]
+      && (k > own || (k < own && name === "accepted")));
     select("ws-since", earlier);
-    const can = {against: models.length > 1, since: earlier.length > 0};
+    const can = {against: others.length > 0, since: earlier.length > 0};
     for (const option of $("ws-show").options) option.disabled = can[option.value] === false;
     if (can[value("show")] === false) $("ws-show").value = "frequency";
     $("ws-other").disabled = value("show") !== "against";
@@ -33,7 +41,7 @@ if (workspace) {
     const run = set.runs[value("run")];
     const model = run.models[value("model")];
     const show = value("show");
-    const than = show === "against" ? run.models[value("other")]
+    const than = show === "against" ? modelOf(set, run, value("other"))
       : show === "since" ? set.runs[value("since")].models[value("model")] : null;
     const grid = (one) => one && set.values[one.values][value("mode")];
     const [ours, theirs] = [grid(model), grid(than)];
@@ -48,7 +56,7 @@ if (workspace) {
     const what = `f${Number(value("mode")) + 1} of ${value("model")}`;
     const compared = show === "against" ? `, error against ${value("other")} [${unit}]`
       : show === "since" ? `, change since ${$("ws-since").selectedOptions[0].text} [${unit}]` : " [Hz]";
-    const told = show === "since" && !than ? " That run did not have this model." :
+    const told = show !== "frequency" && !theirs ? ` The other has no f${Number(value("mode")) + 1}.` :
       show === "since" ? (largest ? ` ${points.filter((one) => one.v).length} of ${points.length} poses differ.` : " No pose differs.") : "";
     const cells = points.map(({pose, f, v}) => cell(
       show === "frequency" ? v.toFixed(3) : signed(v, 4),

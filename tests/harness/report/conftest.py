@@ -20,7 +20,7 @@ from harness.history import store
 from harness.models import Spec
 from harness.report.page import page
 from harness.report.sources import Sources, read_sources
-from harness.run import rows, run
+from harness.run import mechanism_hash, rows, run
 
 RESULTS = Path(__file__).parents[3] / "results"
 FLAGS = [
@@ -37,6 +37,9 @@ CLAIMS = [
 ]
 CHANGED = 3, 1e-5
 """The pose whose f2 the newest run gives otherwise, and by how much, relative."""
+CHANGED_ON_MAP = 13, 2
+"""The pose and mode that the newest map has otherwise, by as much."""
+WAYS = ("substructure, dense", "multipliers, null-space")
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,52 @@ def workspace_rows(robot: Mechanism, change: float) -> list[dict[str, Any]]:
     return result
 
 
+def map_rows(file: Path, model: str, change: float = 0.0) -> list[dict[str, Any]]:
+    """The poses of an accepted map as `rps-bench workspace` records them."""
+    about = {"case": "map", "mechanism": mechanism_hash(PRESETS["case1"].mechanism), "model": model,
+             "theory": "any", "settings": '{"count": 3}', "version": "rps-bench 0.2"}  # fmt: skip
+    result = []
+    with file.open(newline="") as lines:
+        for k, row in enumerate(csv.DictReader(lines)):
+            if float(row["tilt_rad"]) == 0 and float(row["azimuth_rad"]) != 0:
+                continue  # a level platform once
+            pose = {name: float(row[name]) for name in ("z_m", "azimuth_rad", "tilt_rad")}
+            for mode in (1, 2, 3):
+                f = float(row[f"f{mode}_hz"]) * (1 + change * ((k, mode) == CHANGED_ON_MAP))
+                result.append({**about, **pose, "mode": mode, "frequency_hz": f})
+    return result
+
+
+def append_others(history: Path, accepted: Path, named: list[dict[str, Any]]) -> None:
+    """What commands other than the gate record: ways to solve, maps, a row of heights, a sweep."""
+    hours = (datetime(2026, 3, 3, hour, tzinfo=UTC) for hour in range(13, 24))
+    slow = [row for row in named if (row["case"], row["model"]) == ("case2", "euler-bernoulli@3")]
+    ways = [row | {"settings": json.dumps({"count": 6, "way": way, "timed": "cost"}),
+                   "solve_s": 0.001 * (k + 1)}
+            for k, way in enumerate(WAYS) for row in slow]  # fmt: skip
+    store.append(history, ways, "rps-bench cost", next(hours))
+    model = "timoshenko@exact"
+    same = map_rows(accepted, model)
+    for rows_of_map in (
+        same,
+        map_rows(accepted, "euler-bernoulli@3"),
+        map_rows(accepted, model, CHANGED[1]),
+        same[:90],
+    ):
+        store.append(history, rows_of_map, "rps-bench workspace", next(hours))
+    heights = [row | {"tilt_rad": 0.0, "z_m": 0.3 + 0.001 * k} for k, row in enumerate(same)]
+    store.append(history, heights, "rps-bench claims", next(hours))
+    pose = {"azimuth_rad": 0.1, "tilt_rad": 0.2, "case": "sweep", "mechanism": "abc"}
+    sweep = [{**pose, "z_m": 0.3 + k / 1000, "model": name, "mode": mode, "frequency_hz": 100.0}
+             for name in (model, "rayleigh@3") for k in range(7) for mode in (1, 2)]  # fmt: skip
+    store.append(history, sweep, "rps-bench sweep --poses random:7", next(hours))
+
+
 @pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory, robot: Mechanism) -> Made:
-    """Three runs: the first of an older release, whose frequencies are 1e-6 lower."""
+    """Three runs of the gate, the first of an older release, whose frequencies are 1e-6 lower;
+    after them one of each other kind.
+    """
     folder = tmp_path_factory.mktemp("dashboard")
     results, history = folder / "results", folder / "history"
     (results / "workspace").mkdir(parents=True)
@@ -113,6 +159,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, robot: Mechanism) -> Made:
         change = CHANGED[1] if day == 3 else 0.0
         named = [row | {"release": release} for row in ours + workspace_rows(robot, change)]
         store.append(history, named, "rps-bench check", datetime(2026, 3, day, 12, tzinfo=UTC))
+    append_others(history, results / "workspace" / "map.csv", now)
     (history / "foreign.parquet").write_bytes(b"not a table")
     sources = read_sources(results, history)
     file = folder / "dashboard.html"

@@ -6,19 +6,24 @@ import re
 import shutil
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import polars as pl
 import pytest
 
 from analytic.theory import BEAMS
+from harness.cases import PRESETS
 from harness.history import store
 from harness.report import fig3, history, workspace
-from harness.report.ledger import Ledger
+from harness.report.ledger import Ledger, variant
 from harness.report.page import page
+from harness.report.recorded import read_recorded
 from harness.report.sources import read_sources
+from harness.run import mechanism_hash
 
 MOST_BYTES = 8_000_000
 
@@ -68,12 +73,147 @@ def test_history_is_kept_where_it_changes(made: Any) -> None:
     assert first == pytest.approx(second * (1 - 1e-6), rel=1e-11)
 
 
+def workspace_sets(sources: Any) -> dict[str, Any]:
+    return {one["name"]: one for one in workspace.section(sources, Ledger(sources)).data}
+
+
 def test_equal_maps_are_kept_once(made: Any) -> None:
-    _, gate = workspace.section(made.sources, Ledger(made.sources)).data
+    gate = workspace_sets(made.sources)["the gate's poses"]
     kept = [[run["models"][m]["values"] for run in gate["runs"]] for m in gate["runs"][0]["models"]]
     assert sorted(len(set(row)) for row in kept) == [1, 2], "one model changed, once"
     assert len(gate["values"]) == 3
     assert np.shape(gate["values"]) == (3, 6, 108)
+
+
+def test_recorded_maps_stand_beside_the_accepted_one(made: Any) -> None:
+    """Those of the same poses and mechanism; other poses are a choice of their own."""
+    sets = workspace_sets(made.sources)
+    assert list(sets) == ["109 poses, 318 mm", "30 poses, 318 mm", "the gate's poses"]
+    detailed = sets["109 poses, 318 mm"]
+    assert np.shape(detailed["values"][0]) == (3, 109)
+    kept = [(run["name"].split(",")[0], model, about["values"])
+            for run in detailed["runs"] for model, about in run["models"].items()]  # fmt: skip
+    assert kept == [
+        ("accepted", "timoshenko@exact", 0),
+        ("2026-03-03 16:00:00", "timoshenko@exact", 1),
+        ("2026-03-03 15:00:00", "euler-bernoulli@3", 0),
+        ("2026-03-03 14:00:00", "timoshenko@exact", 0),
+    ]
+    first, second = np.array(detailed["values"])
+    assert (first != second).sum() == 1
+    assert (second / first).max() == pytest.approx(1 + 1e-5, rel=1e-9)
+
+
+def test_a_row_of_heights_is_no_map(made: Any) -> None:
+    assert "rps-bench claims" in made.sources.recorded.runs["command"].to_list()
+    claims = made.sources.recorded.runs.filter(command="rps-bench claims")["run"][0]
+    assert claims not in made.sources.recorded.maps["run"].to_list()
+
+
+def test_maps_that_find_no_room_are_counted_and_named(made: Any) -> None:
+    maps = made.sources.recorded.maps
+    both = sum(maps.filter(case=case)["numbers"][0] for case in ("map", "workspace"))
+    recorded = read_recorded(made.history, both + len(made.sources.recorded.points))
+    assert len(recorded.answers) <= both
+    sets = workspace_sets(replace(made.sources, recorded=recorded))
+    assert sets["the gate's poses"]["note"] == (
+        "Recorded, but no room on the page: 3 more, of timoshenko@exact."
+    )
+    assert "of euler-bernoulli@3, timoshenko@exact." in sets["109 poses, 318 mm"]["note"]
+    assert [run["name"] for run in sets["109 poses, 318 mm"]["runs"]] == ["accepted"]
+
+
+def test_a_map_too_large_is_left_out_and_named(made: Any, tmp_path: Path) -> None:
+    shutil.copy(made.results / "table1.csv", tmp_path)
+    (tmp_path / "workspace").mkdir()
+    header, *lines = (made.results / "workspace" / "map.csv").read_text().splitlines()
+    (tmp_path / "workspace" / "map.csv").write_text("\n".join([header, *lines * 300]))
+    sources = read_sources(tmp_path, None)
+    assert sources.map.is_empty()
+    assert sources.skipped == (("map.csv", "of 36,000 poses: too large for the page"),)
+
+
+def test_what_rows_are_apart_by_in_words() -> None:
+    assert variant(None) == variant('{"count": 8, "shear": "cowper"}') == ""
+    assert variant('{"count": 8, "shear": 0.9}') == "shear 0.9"
+    timed = '{"count": 6, "way": "condensed", "timed": "cost", "poses": 1000}'
+    assert variant(timed) == "condensed, timed by cost, batches of 1000 poses"
+    assert variant('{"case": "case1", "fitted": {"z_mm": 540.5, "d": 2}}') == (
+        "case1, fitted (z_mm 540.5, d 2)"
+    )
+    assert variant("{") == "settings {"
+    assert variant("[1]") == "settings [1]"
+
+
+def test_another_mechanism_or_pose_is_another_series(made: Any, tmp_path: Path) -> None:
+    own = {"case": "case1", "mechanism": mechanism_hash(PRESETS["case1"].mechanism), "mode": 1,
+           "model": "m@3", "frequency_hz": 1.0, "z_m": 0.49, "azimuth_rad": 0.0,
+           "tilt_rad": 0.0, "settings": '{"count": 6}'}  # fmt: skip
+    rows = [own, own | {"mechanism": "thin"}, own | {"z_m": 0.5}]
+    store.append(tmp_path, rows, "rps-bench slenderness")
+    sources = read_sources(made.results, tmp_path)
+    series = history.section(sources, Ledger(sources)).data["series"]
+    assert {one["variant"] for one in series} == {
+        "", "mechanism thin", "z = 500 mm, azimuth 0°, tilt 0°"}  # fmt: skip
+
+
+def test_the_order_of_rows_says_nothing(made: Any, tmp_path: Path) -> None:
+    """The same runs, their rows the other way round in the file, make the same page."""
+    about = {
+        "case": "map",
+        "mechanism": "m",
+        "model": "m@3",
+        "z_m": 0.4,
+        "tilt_rad": 0.0,
+        "mode": 1,
+    }
+    level = [about | {"azimuth_rad": 0.1 * k, "frequency_hz": 100.0 + k} for k in range(12)]
+    pages = []
+    for turn in (1, -1):
+        folder = tmp_path / str(turn)
+        store.append(folder, level[::turn], "one pose", datetime(2026, 2, 1, tzinfo=UTC))
+        for path in sorted(made.history.glob("2*.parquet")):
+            frame = pl.read_parquet(path)
+            time = frame["time"][0].replace(tzinfo=UTC)
+            store.append(folder, frame.drop("run", "time")[::turn].to_dicts(), "again", time)
+        sources = read_sources(made.results, folder)
+        data = history.section(sources, Ledger(sources)).data
+        sets = workspace_sets(sources)
+        pages.append([data["series"], data["yardstick"], [one["values"] for one in sets.values()]])
+    assert pages[0] == pages[1]
+
+
+def test_sweeps_are_counted_not_read(made: Any) -> None:
+    recorded = made.sources.recorded
+    assert not set(recorded.points["case"]) & set(store.MANY_POSES)
+    (sweep,) = recorded.sweeps.to_dicts()
+    assert (sweep["models"], sweep["poses"], sweep["rows"]) == (
+        "rayleigh@3, timoshenko@exact",
+        7,
+        28,
+    )
+
+
+def test_a_history_of_a_sweep_alone(
+    made: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is listed, and its rows stay where they are: no question has more than one as answer."""
+    sweep = pl.LazyFrame({"z_m": np.linspace(0.3, 0.9, 100_000)}).with_columns(
+        pl.lit("sweep").alias("case"), pl.lit("m@3").alias("model"),
+        pl.lit(1).alias("mode"), pl.lit(1.0).alias("frequency_hz"),
+    )  # fmt: skip
+    store.append(tmp_path, sweep, "rps-bench sweep")
+    read, query = [], store.History.query
+
+    def counted(*asked: Any) -> pl.DataFrame:
+        read.append(query(*asked))
+        return read[-1]
+
+    monkeypatch.setattr(store.History, "query", counted)
+    sources = read_sources(made.results, tmp_path)
+    assert max(map(len, read)) == 1
+    assert history.section(sources, Ledger(sources)).data is None
+    assert b"The newest of 1 recorded sweeps" in page(sources)
 
 
 def test_a_page_of_almost_nothing(made: Any, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Every control of the page, in a real browser, changes what it should."""
 
 import csv
+import re
 from typing import Any
 
 import numpy as np
@@ -89,6 +90,9 @@ def test_work_and_precision(tab: Any) -> None:
 
 @pytest.mark.slow
 def test_workspace_choices(tab: Any) -> None:
+    tab.choose("ws-set", "109 poses, 318 mm")
+    tab.choose("ws-show", "frequency")
+    tab.choose("ws-run", "0")
     (flat,) = tab.draw("ws-map")
     assert len(flat["r"]) == 12 * 9 + 1
     first = flat["colours"]
@@ -134,6 +138,43 @@ def test_workspace_names_the_pose_that_changed(tab: Any) -> None:
 
 
 @pytest.mark.slow
+def test_detailed_maps_of_runs(tab: Any) -> None:
+    """Any run can be chosen and held against any earlier one, and against the accepted map."""
+    tab.draw("ws-map")
+    tab.choose("ws-set", "109 poses, 318 mm")
+    tab.choose("ws-run", "1")
+    tab.choose("ws-show", "since")
+    since = tab.page.locator("#ws-since option")
+    accepted, run = since.all_inner_texts()
+    assert accepted == "accepted"
+    assert re.fullmatch(r"2026-03-03 14:00:00, \S+, timoshenko@exact", run)
+    for earlier in ("0", "3"):
+        tab.choose("ws-since", earlier)
+        tab.choose("ws-mode", "1")
+        assert "1 of 109 poses differ" in tab.caption("ws-map")
+        assert values(tab.traces("ws-map")[0], "colours").max() == pytest.approx(10, rel=1e-4)
+        tab.choose("ws-mode", "0")
+        assert "No pose differs" in tab.caption("ws-map")
+    tab.page.locator("#ws-map-numbers summary").click()
+    tab.page.locator("#ws-map-numbers button.n").first.click()
+    text = tab.page.locator("#record").inner_text()
+    for run in ("2026-03-03 14:00 UTC", "2026-03-03 16:00 UTC"):
+        assert run in text
+    assert text.count("rps-bench workspace") == 2
+    tab.page.keyboard.press("Escape")
+    tab.page.locator("#ws-map-numbers summary").click()
+    tab.choose("ws-show", "against")
+    assert tab.page.locator("#ws-other option").all_inner_texts() == ["euler-bernoulli@3"]
+    assert not values(tab.traces("ws-map")[0], "colours").any(), "made the same in this test"
+    tab.choose("ws-run", "0")
+    tab.choose("ws-show", "since")
+    assert since.count() == 2, "the accepted map is held against runs with its model"
+    tab.choose("ws-set", "30 poses, 318 mm")
+    assert tab.page.locator("#ws-show option[value=since]").is_disabled()
+    assert len(tab.traces("ws-map")[0]["r"]) == 30
+
+
+@pytest.mark.slow
 def test_history_marks_the_release(tab: Any) -> None:
     traces = tab.draw("history-chart")
     assert len(traces) == 6
@@ -146,13 +187,57 @@ def test_history_marks_the_release(tab: Any) -> None:
     (one,) = tab.traces("history-chart")
     assert values(one)[-1] == pytest.approx(236.5285, rel=1e-6)
     tab.choose("history-case", "case2")
-    tab.choose("history-model", "timoshenko@exact")
+    tab.choose("history-model", "timoshenko")
+    assert tab.page.input_value("#history-elements") == "exact"
+    assert tab.page.locator("#history-variant").is_disabled(), "nothing but the usual"
     assert values(tab.traces("history-chart")[0])[-1] == pytest.approx(236.52, rel=1e-4)
     tab.choose("history-along", "run")
     assert tab.traces("history-chart")[0]["x"] == [1, 2, 3]
     tab.choose("history-what", "solve")
     assert (values(tab.traces("history-chart")[0]) > 0).all()
     assert tab.page.locator("#history-mode").is_disabled()
+
+
+@pytest.mark.slow
+def test_history_says_how_it_was_solved(tab: Any) -> None:
+    tab.draw("history-chart")
+    tab.choose("history-what", "solve")
+    tab.choose("history-case", "case2")
+    tab.choose("history-model", "euler-bernoulli")
+    tab.choose("history-elements", "3")
+    offered = tab.page.locator("#history-variant option").all_inner_texts()
+    ways = ["multipliers, null-space, timed by cost", "substructure, dense, timed by cost"]
+    assert offered == ["as usual", *ways, "all 3, to compare"]
+    assert len(tab.traces("history-chart")[0]["y"]) == 3
+    tab.choose("history-variant", ways[0])
+    (one,) = tab.traces("history-chart")
+    assert list(values(one)) == [2]
+    assert ways[0] in tab.caption("history-chart")
+    tab.choose("history-variant", "all")
+    assert [trace["name"] for trace in tab.traces("history-chart")] == ["as usual", *ways]
+    tab.choose("history-what", "frequency")
+    assert tab.page.locator("#history-mode option").all_inner_texts()[0] == "f1"
+    tab.choose("history-mode", "1")
+    assert [trace["name"] for trace in tab.traces("history-chart")] == ["as usual", *ways]
+    assert "Frequency of f1: euler-bernoulli@3, case2, all 3" in tab.caption("history-chart")
+    tab.choose("history-what", "change")
+    tab.choose("history-variant", "")
+    tab.choose("history-case", "case1")
+    tab.choose("history-mode", "all")
+    assert len(tab.traces("history-chart")) == 6
+
+
+def test_sweeps_are_listed(tab: Any) -> None:
+    table = tab.page.locator("#history details", has_text="Newest sweeps")
+    assert "rps-bench history --run RUN --export FILE" in table.text_content()
+    cells = [cell.strip() for cell in table.locator("tbody td").all_text_contents()]
+    assert cells[0].startswith("20260303-")
+    assert cells[1:] == [
+        "rps-bench sweep --poses random:7",
+        "rayleigh@3, timoshenko@exact",
+        "7",
+        "28",
+    ]
 
 
 def test_claims_by_verdict_and_words(tab: Any) -> None:
