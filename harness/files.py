@@ -45,9 +45,9 @@ def staged(
             target = directory / name
             target.parent.mkdir(parents=True, exist_ok=True)
             handle, path = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-            temporary.append(Path(path))
-            os.fchmod(handle, 0o644)
             os.close(handle)
+            temporary.append(Path(path))
+            temporary[-1].chmod(0o644)
         yield tuple(temporary)
     except OSError as error:
         reason = error.strerror or str(error)

@@ -38,4 +38,5 @@ def sink(table: pl.LazyFrame, path: Path, suffix: str) -> None:
                 raise
             number = int(told[1] or told[2])
             raise OSError(number, os.strerror(number)) from None
+        file.flush()
         os.fsync(file.fileno())

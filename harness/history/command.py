@@ -105,17 +105,18 @@ def history(
         raise InputError("--sql", sql, "no filter beside it: it has a WHERE of its own")
     target = _target(export)
     where, values = Wanted(**given).where()
+    asked = _ROWS.format(where=where) if sql is None else sql
     past = open_history(history)
     notes = [f"skipped {path}: {why}" for path, why in past.skipped]
     if target is not None:
-        height = _export(past, sql or _ROWS.format(where=where), values, target)
+        height = _export(past, asked, values, target)
         click.echo(f"wrote {target}: {height} rows")
         for note in notes:
             click.echo(f"rps-bench: {note}", err=True)
     elif sql is not None:
-        show(_table(*past.first(sql, {}, SHOWN), history, notes))
+        show(_table(*past.first(asked, values, SHOWN), history, notes))
     elif as_rows:
-        found, height = past.first(_ROWS.format(where=where), values, SHOWN)
+        found, height = past.first(asked, values, SHOWN)
         show(_table(found.select(_BRIEF), height, history, notes))
     else:
         show(_runs(past.query(_RUNS.format(where=where), values), history, notes))

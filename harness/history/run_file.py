@@ -90,6 +90,8 @@ def read(path: Path) -> RunFile:
             schema = pl.read_parquet_schema(file)
     except OSError as error:
         raise FlawError(f"cannot be read ({error.strerror})") from None
+    except pl.exceptions.PolarsError:
+        raise FlawError("not written by rps-bench: it is no Parquet file") from None
     for name in NEEDED:
         if name not in schema:
             raise FlawError(f"of another release: it has no column {name}")

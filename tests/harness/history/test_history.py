@@ -119,6 +119,7 @@ def test_exports_agree(rps_bench: Bench, past: Path, tmp_path: Path, form: str) 
         (["--since", "soon"], "--since = 'soon': expected a date as in 2026-01-31"),
         (["--history", "none"], "--history = 'none': expected a folder to read runs from"),
         (["--sql", "DROP TABLE rows"], "--sql = 'DROP TABLE rows': expected one SELECT"),
+        (["--sql", "", "--export", "rows.csv"], "--sql = '': expected one SELECT"),
         (["--sql", "SELECT 1", "--mode", "1"], "--sql = 'SELECT 1': expected no filter beside it"),
         (["--sql", "SELECT 1", "--rows"], "--sql = 'SELECT 1': expected no filter beside it"),
         (["--export", "rows.xls"], "--export = 'rows.xls': expected a file that ends in one of"),

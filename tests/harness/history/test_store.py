@@ -224,6 +224,15 @@ def test_foreign_files_are_named_and_skipped(tmp_path: Path) -> None:
     }
 
 
+def test_a_whole_file_that_is_no_parquet(tmp_path: Path) -> None:
+    (tmp_path / "staged").write_text("a,b\n1,2\n")
+    checksum = run_file.checksum(tmp_path / "staged")
+    path = tmp_path / f"20250101-000000.000000-abcdef.{checksum}.parquet"
+    (tmp_path / "staged").rename(path)
+    why = "not written by rps-bench: it is no Parquet file"
+    assert open_history(tmp_path).skipped == [(path, why)]
+
+
 def write_as_another_release(folder: Path, frame: pl.DataFrame) -> Path:
     """A file that is whole, of a release with other columns."""
     staged = folder / "staged"
@@ -303,6 +312,7 @@ except OutputError as error:
 """
 
 
+@pytest.mark.slow
 def test_a_disk_that_is_full_halfway_leaves_nothing(tmp_path: Path) -> None:
     """A limit that the system sets a file stands for the end of the disk."""
     ended = subprocess.run(
