@@ -16,6 +16,8 @@ YARDSTICK = "yardstick"  # the gate's model that only says how fast the machine 
 RUN = ("run", "time", "command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
 POSE = ["z_m", "azimuth_rad", "tilt_rad"]
 SERIES = ["case", "model", "variant"]
+MOST_SERIES = 2000
+"""Series in the page, half a kilobyte each before their first number; of more, the newest."""
 NEWEST = 12
 """Rows of the tables of runs and of sweeps."""
 
@@ -31,6 +33,10 @@ def section(sources: Sources, ledger: Ledger) -> Section:
     runs = recorded.runs.filter(pl.col("run").is_in(points["run"].unique().implode()))
     place = {run: k for k, run in enumerate(runs["run"])}
     points = _told_apart(points).with_columns(pl.col("run").replace_strict(place).alias("place"))
+    every = (
+        points.group_by(SERIES).agg(pl.col("place").max()).sort("place", *SERIES, descending=True)
+    )
+    points = points.join(every.head(MOST_SERIES), on=SERIES, how="semi", maintain_order="left")
     series = [_series(group) for group in points.partition_by(SERIES, maintain_order=True)]
     seconds = dict(zip(yard["run"], yard["solve_s"], strict=True))
     yardstick = [_milliseconds(seconds.get(run)) for run in runs["run"]]
@@ -39,6 +45,7 @@ def section(sources: Sources, ledger: Ledger) -> Section:
     context = {
         "cases": list(dict.fromkeys(one["case"] for one in series)),
         "series": len(series),
+        "all_series": len(every),
         "shown": len(runs),
         "older": recorded.older,
         "latest": recorded.runs.tail(NEWEST).reverse().to_dicts(),

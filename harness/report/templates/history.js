@@ -108,6 +108,9 @@ if (past) {
       annotations: marks.map(([x, text]) => ({x, y: 1, yref: "paper", yanchor: "top", xanchor: "left",
         text, showarrow: false, textangle: 90, font: {size: 11, color: css("--muted")}})),
     };
+    // A name in words takes a line of the legend, or half of one on a wide screen: room for them.
+    const lines = found.length > 1 ? Math.ceil(data.length / ($("history-chart").clientWidth < 700 ? 1 : 2)) : 0;
+    $("history-chart").style.height = lines > 2 ? `calc(22rem + ${20 * lines}px)` : "";
     const count = new Set(found.flatMap((one) => one.runs)).size;
     if (count === 1) layout.xaxis.type = "category";
     const same = what === "change" && count > 1 && largest === 0 ? " No run differs from the newest." : "";

@@ -157,6 +157,21 @@ def test_another_mechanism_or_pose_is_another_series(made: Any, tmp_path: Path) 
         "", "mechanism thin", "z = 500 mm, azimuth 0°, tilt 0°"}  # fmt: skip
 
 
+def test_of_too_many_series_the_newest_are_shown(
+    made: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(history, "MOST_SERIES", 20)
+    row = {"case": "case1", "mode": 1, "frequency_hz": 1.0}
+    for day, first in ((1, 0), (2, 15)):
+        rows = [row | {"model": f"m@{first + k}"} for k in range(15)]
+        store.append(tmp_path, rows, "rps-bench table", datetime(2026, 1, day, tzinfo=UTC))
+    sources = read_sources(made.results, tmp_path)
+    series = history.section(sources, Ledger(sources)).data["series"]
+    assert len(series) == 20
+    assert {f"m@{15 + k}" for k in range(15)} < {one["model"] for one in series}
+    assert "The newest 20 of 30 series." in page(sources).decode()
+
+
 def test_the_order_of_rows_says_nothing(made: Any, tmp_path: Path) -> None:
     """The same runs, their rows the other way round in the file, make the same page."""
     about = {
