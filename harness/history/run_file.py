@@ -96,7 +96,8 @@ def read(path: Path) -> RunFile:
         if name not in schema:
             raise FlawError(f"of another release: it has no column {name}")
     for name, kind in SCHEMA.items():
-        if name in schema and schema[name] != kind:
+        # A text may be written as a category: in Parquet the two are one type.
+        if name in schema and schema[name] not in (kind, pl.Categorical):
             raise FlawError(f"of another release: its column {name} is {schema[name]}, not {kind}")
     return RunFile(path, frozenset(schema) & frozenset(SCHEMA), stat)
 

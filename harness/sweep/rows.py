@@ -59,13 +59,22 @@ def export(
 
 def records(sweep: Sweep, timings: Mapping[Spec, Timing], file: Path) -> pl.LazyFrame:
     """Return what `export` wrote into `file` as rows of the history; `solve_s` is a median."""
-    scan = pl.scan_parquet(file) if file.suffix == ".parquet" else pl.scan_csv(file, schema=ROWS)
-    chosen = {spec.label: settings(spec, sweep.count) for spec in sweep.specs}
-    seconds = {spec.label: timings[spec].usual for spec in sweep.specs}
-    return scan.drop("pose").with_columns(
-        case=pl.lit(CASE),
-        settings=pl.col("model").replace_strict(chosen, return_dtype=pl.String),
-        solve_s=pl.col("model").replace_strict(seconds, return_dtype=pl.Float64),
+    whole = (
+        pl.scan_parquet(file, glob=False)
+        if file.suffix == ".parquet"
+        else pl.scan_csv(file, schema=ROWS, glob=False)
+    )
+    category = pl.Categorical()
+    return pl.concat(
+        whole.filter(model=spec.label).with_columns(
+            pl.col("theory", "version").cast(category),
+            case=pl.lit(CASE).cast(category),
+            mechanism=pl.lit(mechanism_hash(sweep.mechanism)).cast(category),
+            model=pl.lit(spec.label).cast(category),
+            settings=pl.lit(settings(spec, sweep.count)).cast(category),
+            solve_s=pl.lit(timings[spec].usual, dtype=pl.Float64),
+        )
+        for spec in sweep.specs
     )
 
 
