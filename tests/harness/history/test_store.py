@@ -88,10 +88,10 @@ def test_a_frame_is_appended_as_rows_are(tmp_path: Path) -> None:
     )  # fmt: skip
     when = datetime(2026, 1, 1, tzinfo=UTC)
     paths = [append(tmp_path, given, "sweep", when) for given in (rows, frame.select(pl.all()))]
-    first, second = (pl.read_parquet(path) for path in paths)
-    texts = second.select(pl.selectors.categorical()).columns
-    assert {store.SCHEMA[name] for name in texts} == {pl.String()}
-    second = second.with_columns(pl.col(texts).cast(pl.String))
+    category = pl.selectors.categorical()
+    found = [pl.read_parquet(path) for path in paths]
+    assert {store.SCHEMA[n] for f in found for n in f.select(category).columns} == {pl.String()}
+    first, second = (frame.with_columns(category.cast(pl.String)) for frame in found)
     assert first.schema == second.schema == pl.Schema(store.SCHEMA)
     assert second.drop("run").equals(first.drop("run"))
     assert second["commit"].to_list() == ["a", None, "b"]
