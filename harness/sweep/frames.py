@@ -1,6 +1,5 @@
 """Long tables on disk: written frame by frame, there whole or not at all."""
 
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -10,8 +9,7 @@ from polars.datatypes import DataTypeClass
 from polars.io.plugins import register_io_source
 
 from harness.files import OutputError
-
-ROW_GROUP = 100_000
+from harness.frames import sink
 
 
 def write_frames(
@@ -37,13 +35,7 @@ def write_frames(
     # Always the same name: what a killed process left behind is overwritten, not kept.
     temporary = folder / f".{name}.part"
     try:
-        table = register_io_source(source, schema=dict(schema))
-        if target.suffix == ".parquet":
-            table.sink_parquet(temporary, row_group_size=ROW_GROUP, maintain_order=True)
-        else:
-            table.sink_csv(temporary, maintain_order=True)
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
+        sink(register_io_source(source, schema=dict(schema)), temporary, target.suffix)
         temporary.replace(target)
     except (OSError, pl.exceptions.PolarsError) as error:
         if broken:
