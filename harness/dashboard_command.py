@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from analytic import InputError
-from harness.options import takes_history
+from harness.history_option import takes_history
 
 
 @click.command()

@@ -14,7 +14,7 @@ from analytic import InputError
 from analytic.theory import BEAMS, Theory
 from harness.case_file import load_cases
 from harness.cases import Case, select
-from harness.history_option import takes_history as takes_history
+from harness.history_option import takes_history
 from harness.models import Spec, parse, parse_analytic
 from reference_models import UnavailableError, catalogue
 

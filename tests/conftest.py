@@ -17,6 +17,12 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     return 0 if all(".py" in argument for argument in config.args) else 2
 
 
+@pytest.fixture(autouse=True)
+def no_history(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of the tests are no history of anyone's, unless a test says where it is kept."""
+    monkeypatch.setenv("RPS_BENCH_HISTORY", "none")
+
+
 @pytest.fixture(scope="session")
 def robot() -> Mechanism:
     return Mechanism.paper()

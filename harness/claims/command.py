@@ -4,7 +4,8 @@ from pathlib import Path
 
 import click
 
-from harness.options import folder, split, takes_history
+from harness.history_option import takes_history
+from harness.options import folder, split
 from harness.terminal import finish, progress, show, write
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from analytic import InputError
-from harness.options import as_typed, folder, split, takes_history
+from harness.history_option import takes_history
+from harness.options import as_typed, folder, split
 
 if TYPE_CHECKING:
     from harness.gate.gate import Finding

@@ -8,7 +8,8 @@ import click
 
 from analytic import InputError
 from analytic.theory import BEAMS
-from harness.options import folder, shear_coefficient, split, takes_history
+from harness.history_option import takes_history
+from harness.options import folder, shear_coefficient, split
 
 if TYPE_CHECKING:
     from harness.identification.problem import Bounds

@@ -6,8 +6,9 @@ import click
 
 from analytic import InputError
 from analytic.theory import BEAMS
+from harness.history_option import takes_history
 from harness.models import parse
-from harness.options import CostRequest, Request, takes_history
+from harness.options import CostRequest, Request
 from harness.terminal import finish, progress, show, status, write
 
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from analytic import InputError, Limits, Pose
 from analytic.workspace import heights
 from harness.cases import select
+from harness.history_option import takes_history
 from harness.models import Spec, parse
-from harness.options import Request, takes_history
+from harness.options import Request
 from harness.terminal import finish, progress, show, status, write
 from harness.workspace.map import Grid, Region, solve, workspace_map
 

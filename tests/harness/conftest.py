@@ -20,12 +20,6 @@ class Answer:
     err: str
 
 
-@pytest.fixture(autouse=True)
-def no_history(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs of the tests are no history of anyone's, unless a test says where it is kept."""
-    monkeypatch.setenv("RPS_BENCH_HISTORY", "none")
-
-
 @pytest.fixture
 def rps_bench(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
