@@ -36,12 +36,13 @@ class Slenderness:
 
 
 def with_rods(case: Case, ratio: float) -> Case:
-    """Return `case` with every rod's diameter `ratio` times the mean limb length."""
+    """Return `case` with every rod's diameter `ratio` times the mean limb length, and named so."""
     diameter = ratio * float(limbs_at(case.mechanism, case.pose).lengths.mean())
     limbs = tuple(
         replace(limb, rod=Rod(limb.rod.material, diameter)) for limb in case.mechanism.limbs
     )
-    return replace(case, mechanism=Mechanism(limbs, case.mechanism.platform))
+    mechanism = Mechanism(limbs, case.mechanism.platform)
+    return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=mechanism)
 
 
 def slenderness(
@@ -60,7 +61,7 @@ def slenderness(
     for k, ratio in enumerate(ratios):
         study = run([with_rods(c, ratio) for c in cases], [*theories, reference], count, done)
         studies.append(study)
-        for case in study.cases:
+        for own, case in zip(cases, study.cases, strict=True):
             solid = study.get(case, reference)
             for theory in theories:
                 pairing = study.pairing(case, theory, reference)
@@ -68,9 +69,9 @@ def slenderness(
                     continue
                 f = solid.frequencies[pairing.partner]
                 ours = study.modes[case.name, theory.label].frequencies[:count]
-                errors[case.name, theory.name][k] = relative_error(ours, f)
+                errors[own.name, theory.name][k] = relative_error(ours, f)
                 if solid.uncertainty is not None:
-                    uncertainty[case.name][k] = 100 * solid.uncertainty[pairing.partner] / f
+                    uncertainty[own.name][k] = 100 * solid.uncertainty[pairing.partner] / f
     return Slenderness(tuple(cases), tuple(ratios), reference, errors, uncertainty, tuple(studies))
 
 

@@ -22,6 +22,7 @@ def test_rods_have_the_ratio_asked_for(name: str, ratio: float) -> None:
     diameters = [limb.rod.diameter for limb in case.mechanism.limbs]
     np.testing.assert_allclose(diameters, ratio * length)
     assert case.mechanism.platform == PRESETS[name].mechanism.platform
+    assert case.name == f"{name} d/L={ratio}"
 
 
 def test_the_error_of_euler_bernoulli_grows_as_the_square() -> None:
