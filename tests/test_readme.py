@@ -5,6 +5,8 @@ import re
 from pathlib import Path
 
 import numpy as np
+import polars as pl
+import pytest
 
 from analytic import Mechanism, Pose
 from harness.options import STAND_IN
@@ -57,6 +59,19 @@ def test_links_lead_somewhere() -> None:
 def test_the_python_example_runs() -> None:
     (example,) = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
     exec(compile(example, "README.md", "exec"), {})
+
+
+def test_the_sweep_from_python_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With fewer poses than the page has, which take a simulator some seconds."""
+    page = (ROOT / "docs" / "sweeps.md").read_text()
+    (example,) = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
+    assert "random:1000:7" in example
+    monkeypatch.chdir(tmp_path)
+    exec(compile(example.replace("1000", "3"), "sweeps.md", "exec"), {})
+    assert capsys.readouterr().out == "4 {}\n"  # one block of the theory, three poses
+    assert pl.read_parquet(tmp_path / "out/python/frequencies.parquet").height == 2 * 3 * 6
 
 
 def test_the_accepted_results_are_still_what_comes_out(case1: Pose, case2: Pose) -> None:

@@ -1,5 +1,6 @@
 """`rps-bench sweep`: its options; loads nothing heavy before the first process is on its way."""
 
+import os
 from contextlib import closing
 from typing import Any
 
@@ -38,8 +39,13 @@ def sweep(scheduler: str | None, **given: Any) -> int:
     Finished jobs are kept in --output: the same command again computes only what is missing.
     """
     with closing(Children()) as children:
-        if scheduler is None:
+        if scheduler is None and not _alone(given["cores"]):
             children.start(1)  # it loads while this process does
         from harness.sweep.session import session
 
         return session(children, scheduler=scheduler, **given)
+
+
+def _alone(cores: str | None) -> bool:
+    """Whether a second process would only be in the way of this one."""
+    return cores == "1" or (cores is None and os.cpu_count() == 1)
