@@ -5,6 +5,7 @@ environment is set before numpy is imported. Loads nothing heavy itself, so that
 started first and loads while its parent does.
 """
 
+import gc
 import math
 import os
 import signal
@@ -152,6 +153,7 @@ def answer(task: Task) -> object:
 
 
 def _serve(line: Connection) -> None:
+    gc.set_threshold(100_000)  # as in harness.cli
     import harness.sweep.jobs  # noqa: F401  what every task needs: before it is ready
 
     with line, suppress(EOFError, BrokenPipeError):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from harness.models import Spec
 from harness.run import mechanism_hash, settings
 from harness.sweep.frames import write_frames
-from harness.sweep.jobs import Answer, Job
+from harness.sweep.jobs import Answer, Job, version_of
 from harness.sweep.journal import Journal
 from harness.sweep.sweep import Finished, Sweep, Timing, answers
 
@@ -64,18 +64,25 @@ def records(sweep: Sweep, timings: Mapping[Spec, Timing], file: Path) -> pl.Lazy
         if file.suffix == ".parquet"
         else pl.scan_csv(file, schema=ROWS, glob=False)
     )
-    category = pl.Categorical()
-    return pl.concat(
-        whole.filter(model=spec.label).with_columns(
-            pl.col("theory", "version").cast(category),
-            case=pl.lit(CASE).cast(category),
-            mechanism=pl.lit(mechanism_hash(sweep.mechanism)).cast(category),
-            model=pl.lit(spec.label).cast(category),
-            settings=pl.lit(settings(spec, sweep.count)).cast(category),
-            solve_s=pl.lit(timings[spec].usual, dtype=pl.Float64),
-        )
-        for spec in sweep.specs
-    )
+    return pl.concat(_record(sweep, spec, timings[spec], whole) for spec in sweep.specs)
+
+
+def _record(sweep: Sweep, spec: Spec, timing: Timing, whole: pl.LazyFrame) -> pl.LazyFrame:
+    """Return the rows of one model; what is the same in all of them need not be read."""
+    same = {
+        "case": CASE,
+        "mechanism": mechanism_hash(sweep.mechanism),
+        "model": spec.label,
+        "settings": settings(spec, sweep.count),
+        "version": version_of(spec),
+    }
+    if len(timing.theories) == 1:
+        (same["theory"],) = timing.theories
+    rows = whole if len(sweep.specs) == 1 else whole.filter(model=spec.label)
+    return rows.with_columns(
+        pl.col("theory").cast(pl.Categorical),
+        solve_s=pl.lit(timing.usual, dtype=pl.Float64),
+    ).with_columns(pl.lit(text).cast(pl.Categorical).alias(name) for name, text in same.items())
 
 
 def _frame(

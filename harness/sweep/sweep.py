@@ -153,24 +153,30 @@ def answers(
 
 @dataclass(frozen=True)
 class Timing:
-    """What a model itself took over all runs into a folder: seconds in all, and usually a pose."""
+    """What a model itself took over all runs into a folder: seconds in all, and usually a pose.
+
+    `theories` in words: usually one, but a simulator may have another for another pose.
+    """
 
     poses: int
     total: float
     usual: float | None
+    theories: frozenset[str]
 
 
 def timings(sweep: Sweep, journal: Journal) -> dict[Spec, Timing]:
     """Return what each model took."""
     found = {}
     for spec in sweep.specs:
-        poses, each, total = 0, [], 0.0
+        poses, each, total, theories = 0, [], 0.0, set()
         for start, stop in sweep.blocks():
             for job, answer in answers(sweep, journal, spec, start, stop):
                 poses += len(job.poses)
                 each.append(answer.seconds / len(job.poses))
                 total += answer.seconds
-        found[spec] = Timing(poses, total, float(np.median(each)) if each else None)
+                theories.add(answer.theory)
+        usual = float(np.median(each)) if each else None
+        found[spec] = Timing(poses, total, usual, frozenset(theories))
     return found
 
 
