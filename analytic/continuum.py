@@ -81,12 +81,11 @@ class Continuum:
                 U, w, F = eigenspace(problem, bounds[group].mean(), len(group), free)
                 platform[group] = np.linalg.solve(root.T, U.T).T
                 motion[group] = _centre_lines(problem, limbs, bounds[group].mean(), w, F)
-        materials = {limb.rod.material for limb in mechanism.limbs}
         return Modes(
             frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
             platform=platform,
             limbs=motion,
-            theory="; ".join(sorted({self.theory.label(m) for m in materials})),
+            theory=self.theory.labels(mechanism),
             model="continuum",
             version="rps-bench, Wittrick-Williams",
             elements=None,

@@ -112,12 +112,11 @@ class Multipliers:
             frequencies, u = _saddle_point(K, M, C, count, _limb_scale(mechanism, limbs))
         solved = time.perf_counter()
         nodes = np.split(u[:-6], len(mechanism.limbs))
-        materials = {limb.rod.material for limb in mechanism.limbs}
         return Modes(
             frequencies=frequencies,
             platform=u[-6:].T,
             limbs=limb_motion(mechanism, limbs, nodes, self.theory),
-            theory="; ".join(sorted({self.theory.label(m) for m in materials})),
+            theory=self.theory.labels(mechanism),
             model="multipliers",
             version=f"rps-bench, {self.solver}",
             elements=self.elements,

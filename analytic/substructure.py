@@ -90,12 +90,11 @@ class Substructure:
         nodes = [
             limb_selection(i, n, self.elements, arm) @ expanded for i, arm in enumerate(limbs.arms)
         ]
-        materials = {limb.rod.material for limb in mechanism.limbs}
         return Modes(
             frequencies=frequencies,
             platform=expanded[-6:].T,
             limbs=limb_motion(mechanism, limbs, nodes, self.theory),
-            theory="; ".join(sorted({self.theory.label(m) for m in materials})),
+            theory=self.theory.labels(mechanism),
             model="substructure",
             version=f"rps-bench, {self.solver}",
             elements=self.elements,

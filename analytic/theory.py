@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from analytic.errors import InputError, number
-from analytic.mechanism import Material, Rod
+from analytic.mechanism import Material, Mechanism, Rod
 
 BEAMS = {
     "euler-bernoulli": "Euler-Bernoulli",
@@ -55,6 +55,11 @@ class Theory:
             return 0.0
         kappa = self.shear_coefficient(rod.material)
         return 12 * rod.material.young * rod.second_moment / (kappa * rod.material.shear * rod.area)
+
+    def labels(self, mechanism: Mechanism) -> str:
+        """Return the theory's name for the rods of `mechanism`, which may be of many materials."""
+        materials = {limb.rod.material for limb in mechanism.limbs}
+        return "; ".join(sorted(map(self.label, materials)))
 
     def label(self, material: Material) -> str:
         """Return the theory's name for a table, with kappa where it matters."""

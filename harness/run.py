@@ -19,6 +19,10 @@ SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
 
 
+MANY_POSES = GATE, MAP, SWEEP = "workspace", "map", "sweep"
+"""What `case` says in the history of poses without a name: of `check`, of `workspace` and `claims`,
+of `sweep`."""
+
 _kept: ContextVar[dict[Any, Modes] | None] = ContextVar("kept", default=None)
 
 

@@ -28,6 +28,7 @@ from harness.precision.ways import solid_truth
 from harness.reproduce import Done, Part, Plan, Section, tidy
 from harness.run import rows, run
 from harness.shapes import assurance_figure, shapes_figure
+from harness.tables import table_files
 
 LADDER = (1, 2, 4, 8, 16)  # doubling, to read the order of convergence from
 BUDGET_STEPS = (1, 2, 3, 4)
@@ -60,9 +61,7 @@ def table1(plan: Plan, done: Done) -> Part:
     # Seconds are in provenance.*: frequencies are the same in every run.
     seconds = ("build_s", "solve_s")
     records = [{k: v for k, v in row.items() if k not in seconds} for row in rows(study)]
-    files = {"frequencies.csv": tidy(records)}
-    for stem, table in tables.items():
-        files |= table.files(stem)
+    files = {"frequencies.csv": tidy(records)} | table_files(tables)
     said = summary.headlines(study, plan.theory, plan.references)
     said += summary.closest_readings(readings)
     said += summary.summarise(study, plan.theory, plan.references)

@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from harness.options import STAND_IN, Request, takes_request
+from harness.tables import table_files
 from harness.terminal import finish, progress, show, write
 
 
@@ -32,10 +33,7 @@ def table(request: Request) -> int:
         tables[f"references-{spec.label}"] = reference_table(study, spec, against, shown)
     tables["provenance"] = provenance_table(study)
     show(*tables.values())
-    files = {"frequencies.csv": tidy(rows(study))}
-    for stem, result in tables.items():
-        files |= result.files(stem)
-    write(folder, files)
+    write(folder, {"frequencies.csv": tidy(rows(study))} | table_files(tables))
     return finish(request.history, study)
 
 

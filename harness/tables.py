@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -116,3 +117,10 @@ class Table:
         """Return `stem` with .csv, .md and .tex as files to write."""
         forms = {"csv": self.csv(), "md": self.markdown(), "tex": self.latex()}
         return {f"{stem}.{suffix}": text.encode() for suffix, text in forms.items()}
+
+
+def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
+    """Return all `tables` as files to write, by the stem of their names."""
+    return {
+        name: text for stem, table in tables.items() for name, text in table.files(stem).items()
+    }

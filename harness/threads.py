@@ -1,4 +1,4 @@
-"""One BLAS thread: small matrices on many are slower by orders of magnitude."""
+"""Cores, and one BLAS thread: small matrices on many are slower by orders of magnitude."""
 
 import os
 import sys
@@ -9,6 +9,11 @@ ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS"), "1"
 )
 """What libraries read when they are loaded."""
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager

@@ -32,11 +32,11 @@ from harness.options import STAND_IN
 from harness.precision.cost import Cost, measure
 from harness.precision.solved import Solved
 from harness.precision.ways import solid_truth
-from harness.run import rows, run
+from harness.run import MAP, rows, run
 from harness.slenderness import THEORIES, with_rods
 from harness.workspace.checks import ripple, rises, turned
 from harness.workspace.map import Grid, Region, workspace_map
-from harness.workspace.rows import MAP, history_rows
+from harness.workspace.rows import history_rows
 from reference_models import UnavailableError
 from reference_models.protocol import find
 

@@ -10,8 +10,9 @@ from analytic.pairing import TRUSTED
 from harness.gate.measured import Key, Measured, Place
 from harness.gate.metamorphic import Property
 from harness.gate.ratchet import SHAPE, Baseline
-from harness.gate.study import MAP, Checked
+from harness.gate.study import Checked
 from harness.gate.timing_watch import Timing
+from harness.run import GATE
 
 FAILED, BETTER, NOTED = "failed", "better", "noted"
 """`BETTER` fails as well (a two-way ratchet), but is accepted without a reason."""
@@ -227,7 +228,7 @@ def condense(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     shown: list[tuple[Finding, int]] = []
     groups: dict[tuple[str, str, str], list[Finding]] = {}
     for one in findings:
-        if one.case.startswith(f"{MAP} "):
+        if one.case.startswith(f"{GATE} "):
             groups.setdefault((one.kind, one.model, one.verdict), []).append(one)
         else:
             shown.append((one, 1))

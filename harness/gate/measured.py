@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from analytic import Modes, Substructure
 from analytic.pairing import pair
 from harness.cases import Case
-from harness.gate.study import MAP, MODES, Checked
+from harness.gate.study import MODES, Checked
 from harness.models import Spec, formal_order
 from harness.refinement import verify
-from harness.run import SPARE, Study
+from harness.run import GATE, SPARE, Study
 
 Key = tuple[str, str, int]
 """Case (or pose of the map), model's label, mode from 1. Orders: model's name."""
@@ -152,10 +152,10 @@ class Measured:
 
 def place(case: Case) -> str:
     """Return what a case is called in findings: a pose of the map by its coordinates."""
-    if not case.name.startswith(MAP):
+    if not case.name.startswith(GATE):
         return case.name
     phi, theta = np.degrees([case.pose.azimuth, case.pose.tilt])
-    return f"{MAP} z={1000 * case.pose.z:g} mm, phi={phi:.6g} deg, theta={theta:.4f} deg"
+    return f"{GATE} z={1000 * case.pose.z:g} mm, phi={phi:.6g} deg, theta={theta:.4f} deg"
 
 
 def measure(checked: Checked) -> Measured:

@@ -35,10 +35,10 @@ from harness.gate.equivalents import (
     with_material,
 )
 from harness.gate.measured import place
-from harness.gate.study import MAP, Checked, Formulation
+from harness.gate.study import Checked, Formulation
 from harness.models import Spec, formal_order
 from harness.refinement import verify
-from harness.run import SPARE
+from harness.run import GATE, SPARE
 
 Floats = NDArray[np.float64]
 UNITS = (
@@ -221,7 +221,7 @@ def _batch(checked: Checked) -> Iterator[Property]:
                 f = study.modes[case.name, spec.label].frequencies[: study.count]
                 bound = BATCH + rounding(spec, case.mechanism, case.pose, study.count)
                 found.append((place(case), np.abs(batch / f - 1), bound))
-            over = MAP if study is checked.workspace else "cases"
+            over = GATE if study is checked.workspace else "cases"
             name = f"condensed = pose by pose, {over}"
             yield from _worst(name, spec.label, found, "the batch solver's 1e-9")
 

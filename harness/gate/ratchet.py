@@ -17,8 +17,8 @@ from analytic import InputError
 from harness.files import write_all
 from harness.gate.equivalents import EQUIVALENTS, noise
 from harness.gate.measured import Key, Measured, Shaped
-from harness.gate.study import MAP, Checked
-from harness.run import SPARE
+from harness.gate.study import Checked
+from harness.run import GATE, SPARE
 
 FACTOR = 10
 """Noise is the largest of four deviations; ten times it leaves room for other processors."""
@@ -233,4 +233,4 @@ def _csv(header: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> bytes:
 
 def group(case: str) -> str:
     """Return a finding's case; of all poses of the map, the map."""
-    return MAP if case.startswith(MAP) else case
+    return GATE if case.startswith(GATE) else case

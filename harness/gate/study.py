@@ -23,7 +23,7 @@ from analytic import (
 )
 from harness.cases import PRESETS, Case
 from harness.models import Model, Spec
-from harness.run import Study, rows, run
+from harness.run import GATE, Study, rows, run
 from reference_models import catalogue
 
 MODES = 6
@@ -49,8 +49,6 @@ MAP_MODELS = (
     Spec("exudyn-beam", 12),
     Spec("mujoco-cable", 8),
 )
-MAP = "workspace"
-"""The case that all poses of the map have in a row."""
 LAYERS, AZIMUTHS, TILTS = (0.35, 0.49, 0.7), 12, 3  # [m]; azimuths hold every one's 120 deg turns
 CONDENSED = (3, None)
 """Elements of the batch solver over the map: `condensed@3` and `condensed@exact`."""
@@ -138,7 +136,7 @@ def workspace_cases(mechanism: Mechanism) -> tuple[Case, ...]:
     grid = regular_workspace(mechanism, LAYERS, Limits()).grid(AZIMUTHS, TILTS)
     flat = [np.broadcast_to(x, grid.shape).ravel() for x in (grid.z, grid.azimuth, grid.tilt)]
     return tuple(
-        Case(f"{MAP}-{i}", mechanism, pose, "regular workspace")
+        Case(f"{GATE}-{i}", mechanism, pose, "regular workspace")
         for i, pose in enumerate(Pose(*flat))
     )
 
@@ -150,7 +148,7 @@ def solve(plan: Plan, done: Callable[[str], None] = lambda _: None) -> Checked:
     machine.append(yardstick())
     workspace = run(plan.poses, plan.mapped, MODES, done)
     machine.append(yardstick())
-    found = rows(cases) + [row | {"case": MAP} for row in rows(workspace)]
+    found = rows(cases) + [row | {"case": GATE} for row in rows(workspace)]
     if plan.condensed:
         found += _condensed(plan)
     found.append(_yardstick_row(machine))
@@ -186,7 +184,9 @@ def _condensed(plan: Plan) -> list[dict[str, Any]]:
             (case.name, spec.label): replace(batch, frequencies=frequencies)
             for case, frequencies in zip(plan.poses, table, strict=True)
         }
-        found += [row | {"case": MAP} for row in rows(Study(plan.poses, (spec,), MODES, modes, {}))]
+        found += [
+            row | {"case": GATE} for row in rows(Study(plan.poses, (spec,), MODES, modes, {}))
+        ]
     return found
 
 

@@ -38,8 +38,6 @@ COLUMNS = {
     "solve_s": "DOUBLE",
 }
 """Every column and its type; `time` is UTC. What files of an older release lack is null."""
-MANY_POSES = ("workspace", "map", "sweep")
-"""What `case` says of poses without a name: of `check`, of `workspace` and `claims`, of `sweep`."""
 NEEDED = ("run", "time", "model", "mode", "frequency_hz")
 _TYPES: dict[str, pl.DataType] = {
     "VARCHAR": pl.String(),

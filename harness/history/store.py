@@ -23,7 +23,6 @@ from harness.frames import sink
 from harness.history import run_file
 from harness.history.provenance import provenance
 from harness.history.run_file import COLUMNS as COLUMNS
-from harness.history.run_file import MANY_POSES as MANY_POSES
 from harness.history.run_file import SCHEMA as SCHEMA
 from harness.history.run_file import FlawError, RunFile
 

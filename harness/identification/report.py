@@ -21,7 +21,7 @@ from harness.identification.parameters import INERTIAS
 from harness.identification.problem import Problem
 from harness.identification.table import published_table
 from harness.models import parse_analytic
-from harness.tables import Cell, Number, Table
+from harness.tables import Cell, Number, Table, table_files
 
 PARAMETERS = ("z_mm", "base_radius_mm", "platform_thickness_mm", "tilt_deg")
 """Fitted to the paper's table with intervals."""
@@ -318,9 +318,7 @@ def tables(results: Sequence[Identification], ranked: Sequence[Reading]) -> dict
 
 def files(results: Sequence[Identification], ranked: Sequence[Reading]) -> dict[str, bytes]:
     """Return everything as files: tables, one JSON with all readings, and the figure."""
-    made: dict[str, bytes] = {}
-    for stem, table in tables(results, ranked).items():
-        made |= table.files(stem)
+    made = table_files(tables(results, ranked))
     made["identification.json"] = json.dumps(record(results, ranked), indent=1).encode()
     return made | figure_files(profile_figure(results), "identification")
 

@@ -16,7 +16,7 @@ from harness.cases import PRESETS
 from harness.figures import COLOURS, MARKERS, figure_files
 from harness.models import PAPER_ELEMENTS
 from harness.precision.cost import ENDLESS, FEW, FLOOR, SLOW, YARDSTICK, Cost, Timing, growth
-from harness.tables import Cell, Number, Table
+from harness.tables import Cell, Number, Table, table_files
 
 MANY_MARKERS = (*MARKERS, "P", "X", "<", ">", "*", "p")
 LARGE = 8
@@ -37,10 +37,7 @@ def cost_tables(cost: Cost) -> dict[str, Table]:
 
 def cost_files(cost: Cost) -> dict[str, bytes]:
     """Return all tables and the figure as files to write."""
-    files = figure_files(cost_figure(cost), "cost")
-    for stem, table in cost_tables(cost).items():
-        files |= table.files(stem)
-    return files
+    return figure_files(cost_figure(cost), "cost") | table_files(cost_tables(cost))
 
 
 def cost_sentences(cost: Cost) -> list[str]:

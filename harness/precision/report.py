@@ -25,7 +25,7 @@ from harness.precision.work_precision import (
     milliseconds,
     worst,
 )
-from harness.tables import Cell, Number, Table
+from harness.tables import Cell, Number, Table, table_files
 
 TARGETS = (1.0, 0.1, 0.01)
 """What the cheapest way is sought to [%]."""
@@ -57,10 +57,8 @@ def precision_tables(result: WorkPrecision) -> dict[str, Table]:
 
 def precision_files(result: WorkPrecision) -> dict[str, bytes]:
     """Return all tables and the figure as files to write."""
-    files = figure_files(precision_figure(result), "work-precision")
-    for stem, table in precision_tables(result).items():
-        files |= table.files(stem)
-    return files
+    figure = figure_files(precision_figure(result), "work-precision")
+    return figure | table_files(precision_tables(result))
 
 
 def precision_sentences(result: WorkPrecision) -> list[str]:

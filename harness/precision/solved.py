@@ -81,5 +81,4 @@ class Solved:
             limb: Any = self.spec.build()
             return limb.theory, limb.version
         theory = Theory(self.spec.name, self.spec.shear)
-        materials = {limb.rod.material for limb in self.case.mechanism.limbs}
-        return "; ".join(sorted(map(theory.label, materials))), self.version
+        return theory.labels(self.case.mechanism), self.version

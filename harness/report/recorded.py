@@ -6,18 +6,19 @@ from pathlib import Path
 
 import polars as pl
 
-from harness.history.store import MANY_POSES, History, open_history
+from harness.history.store import History, open_history
+from harness.run import GATE, MANY_POSES, MAP, SWEEP
 
 MOST_NUMBERS = 220_000
 """Rows of named cases, and frequencies and poses of maps, in the page; of more, the newest."""
 MOST_POINTS = 120_000
 """Of these, rows of named cases."""
-MAPS = ("workspace", "map")
+MAPS = (GATE, MAP)
 """What `case` says of poses that are shown as maps."""
 ABOUT_RUN = ("command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
 POSE = "round(z_m, 9), round(azimuth_rad, 9), round(tilt_rad, 9)"
 """A pose to a nanometre and a nanoradian: closer than that two of them are one."""
-MAP = """concat_ws(' ', "case", run, mechanism, model, settings)"""
+ONE_MAP = """concat_ws(' ', "case", run, mechanism, model, settings)"""
 """What tells one map from another."""
 A_LAYER = 12
 """Poses of a height from which on there is a surface to draw; fewer are a row of heights."""
@@ -89,7 +90,7 @@ def _points(store: History) -> tuple[pl.DataFrame, int]:
 
 def _maps(store: History) -> pl.DataFrame:
     return store.query(
-        f"""SELECT {MAP} AS map, "case", run, mechanism, model, settings, min(theory) AS theory,
+        f"""SELECT {ONE_MAP} AS map, "case", run, mechanism, model, settings, min(theory) AS theory,
         min(version) AS version, count(DISTINCT hash({POSE})) AS poses, count(*) + poses AS numbers,
         sum(hash({POSE}, mode, frequency_hz))::VARCHAR AS answer
         FROM rows WHERE "case" IN ({_marks(MAPS)})
@@ -110,8 +111,8 @@ def _answers(store: History, maps: pl.DataFrame, room: int) -> pl.DataFrame:
             kept.append(name)
             room -= size
     rows = store.query(
-        f"""SELECT {MAP} AS map, z_m, azimuth_rad, tilt_rad, mode, frequency_hz
-        FROM rows WHERE "case" IN ({_marks(MAPS)}) AND list_contains(?, {MAP}) ORDER BY ALL""",
+        f"""SELECT {ONE_MAP} AS map, z_m, azimuth_rad, tilt_rad, mode, frequency_hz
+        FROM rows WHERE "case" IN ({_marks(MAPS)}) AND list_contains(?, {ONE_MAP}) ORDER BY ALL""",
         [*MAPS, kept],
     )
     return rows.join(maps.select("map", "answer"), on="map", maintain_order="left")
@@ -119,10 +120,10 @@ def _answers(store: History, maps: pl.DataFrame, room: int) -> pl.DataFrame:
 
 def _sweeps(store: History) -> pl.DataFrame:
     return store.query(
-        """SELECT run, string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
+        f"""SELECT run, string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
         max(poses) AS poses, sum(poses)::BIGINT AS "rows"
         FROM (SELECT run, model, mode, count(*) AS poses
-            FROM rows WHERE "case" = 'sweep' GROUP BY run, model, mode)
+            FROM rows WHERE "case" = '{SWEEP}' GROUP BY run, model, mode)
         GROUP BY run ORDER BY run DESC"""
     )
 

@@ -9,15 +9,13 @@ import polars as pl
 
 from harness.cases import PRESETS
 from harness.report.ledger import Ledger, environment, in_words, variant
-from harness.report.recorded import MAPS
 from harness.report.section import Section, digits
 from harness.report.sources import Sources
-from harness.run import mechanism_hash
+from harness.run import GATE, MAP, mechanism_hash
 
 POSE = ["z_mm", "azimuth_deg", "tilt_deg"]
 MAP_COMMAND = "rps-bench workspace --output results/workspace"
 CHECK_COMMAND = "rps-bench check"
-GATE, DETAILED = MAPS
 ACCEPTED = "accepted"
 Poses = frozenset[tuple[float, ...]]
 
@@ -147,7 +145,7 @@ def _accepted(frame: pl.DataFrame, ledger: Ledger) -> tuple[Map, pl.DataFrame]:
         pl.col("variable").str.extract(r"(\d+)").cast(int).alias("mode"),
         pl.lit(ACCEPTED).alias("answer"),
     )
-    accepted = Map(DETAILED, mechanism, ACCEPTED, ACCEPTED, model, ACCEPTED, "", record)
+    accepted = Map(MAP, mechanism, ACCEPTED, ACCEPTED, model, ACCEPTED, "", record)
     return accepted, _by_answer(rows)[ACCEPTED]
 
 

@@ -1,6 +1,5 @@
 """`rps-bench sweep`: its options; loads nothing heavy before the first process is on its way."""
 
-import os
 from contextlib import closing
 from typing import Any
 
@@ -8,6 +7,7 @@ import click
 
 from harness.history_option import takes_history
 from harness.sweep.child import Children
+from harness.threads import cores
 
 SETS = (
     "pose:Z,AZIMUTH,TILT, random:N[:SEED][:RANGES], grid:RANGES, workspace:N[:SEED], FILE.csv or "
@@ -39,13 +39,9 @@ def sweep(scheduler: str | None, **given: Any) -> int:
     Finished jobs are kept in --output: the same command again computes only what is missing.
     """
     with closing(Children()) as children:
-        if scheduler is None and not _alone(given["cores"]):
+        alone = given["cores"] == "1" or (given["cores"] is None and cores() == 1)
+        if scheduler is None and not alone:
             children.start(1)  # it loads while this process does
         from harness.sweep.session import session
 
         return session(children, scheduler=scheduler, **given)
-
-
-def _alone(cores: str | None) -> bool:
-    """Whether a second process would only be in the way of this one."""
-    return cores == "1" or (cores is None and os.cpu_count() == 1)

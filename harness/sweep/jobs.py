@@ -147,8 +147,7 @@ def _batch(job: Job) -> Answer:
     found = analytic_frequencies(job)
     seconds = perf_counter() - began
     assert not isinstance(spec.elements, tuple)
-    theory = Theory(spec.name, spec.shear)
-    names = sorted({theory.label(limb.rod.material) for limb in job.mechanism.limbs})
+    theory = Theory(spec.name, spec.shear).labels(job.mechanism)
     limbs = len(job.mechanism.limbs)
     dofs = 0 if spec.elements is None else 6 + limbs * (6 * spec.elements - 2)
-    return Answer(found, None, None, "; ".join(names), dofs, seconds)
+    return Answer(found, None, None, theory, dofs, seconds)

@@ -8,14 +8,12 @@ import polars as pl
 from numpy.typing import NDArray
 
 from harness.models import Spec
-from harness.run import mechanism_hash, settings
+from harness.run import SWEEP, mechanism_hash, settings
 from harness.sweep.frames import write_frames
 from harness.sweep.jobs import Answer, Job, version_of
 from harness.sweep.journal import Journal
 from harness.sweep.sweep import Finished, Sweep, Timing, answers
 
-CASE = "sweep"
-"""What the history calls poses that have no name."""
 ROWS = {
     "pose": pl.Int64,
     "z_m": pl.Float64,
@@ -70,7 +68,7 @@ def records(sweep: Sweep, timings: Mapping[Spec, Timing], file: Path) -> pl.Lazy
 def _record(sweep: Sweep, spec: Spec, timing: Timing, whole: pl.LazyFrame) -> pl.LazyFrame:
     """Return the rows of one model; what is the same in all of them need not be read."""
     same = {
-        "case": CASE,
+        "case": SWEEP,
         "mechanism": mechanism_hash(sweep.mechanism),
         "model": spec.label,
         "settings": settings(spec, sweep.count),

@@ -1,6 +1,5 @@
 """What `rps-bench sweep` does with its options: solves, shows and writes."""
 
-import os
 import shlex
 import tempfile
 from collections.abc import Iterator
@@ -11,6 +10,7 @@ import click
 
 from analytic import InputError
 from analytic.errors import number
+from harness import threads
 from harness.case_file import load_cases
 from harness.cases import select
 from harness.files import write_all
@@ -24,7 +24,7 @@ from harness.sweep.progress import progress
 from harness.sweep.solve import solve
 from harness.sweep.sweep import Sweep, failure_table, seconds_a_pose, timing_table, timings
 from harness.sweep.task import Failure
-from harness.tables import Cell, Number, Table
+from harness.tables import Cell, Number, Table, table_files
 from harness.terminal import show
 
 MOST_CORES = 4096
@@ -61,7 +61,7 @@ def session(
     if output == "":
         raise InputError("--output", output, "the name of a folder")
     patience = Patience(_seconds(time_limit), _whole("--tries", tries, 1000))
-    at_once = _whole("--cores", cores, MOST_CORES) if cores is not None else _cores()
+    at_once = _whole("--cores", cores, MOST_CORES) if cores is not None else threads.cores()
     extra = load_cases(Path(case_file)) if case_file is not None else {}
     (chosen,) = select([case], extra)
     everything = tuple(dict.fromkeys([*specs, *([reference] if reference else [])]))
@@ -104,8 +104,7 @@ def session(
             show(*(table for name, table in tables.items() if name != "failures"))
         else:
             show(*tables.values())
-        files = {k: v for stem, table in tables.items() for k, v in table.files(stem).items()}
-        written += write_all(folder, files)
+        written += write_all(folder, table_files(tables))
         if output is not None:
             for path in written:
                 click.echo(f"wrote {path}")
@@ -115,10 +114,6 @@ def session(
 
             append(history, records(study, took, target), as_typed())
     return 1 if failures else 0
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _whole(option: str, text: str, most: int) -> int:

@@ -13,6 +13,7 @@ from harness.cases import select
 from harness.history_option import takes_history
 from harness.models import Spec, parse
 from harness.options import Request
+from harness.tables import table_files
 from harness.terminal import finish, progress, show, status, write
 from harness.workspace.map import Grid, Region, solve, workspace_map
 
@@ -115,9 +116,7 @@ def workspace(
     show(*tables.values())
     for line in verdicts(region, fine, shown):
         click.echo(f"- {line}")
-    files = {"map.csv": tidy(data.rows())}
-    for stem, table in tables.items():
-        files |= table.files(stem)
+    files = {"map.csv": tidy(data.rows())} | table_files(tables)
     figures = {
         "workspace": region_figure(region, drawn),
         "contours": contour_figure(data, shown),

@@ -8,11 +8,8 @@ import numpy as np
 from analytic import Pose
 from analytic.solid_limb import SolidLimb
 from harness.cases import Case
-from harness.run import mode_rows, settings
+from harness.run import MAP, mode_rows, settings
 from harness.workspace.map import WorkspaceMap
-
-MAP = "map"
-"""The case that all poses of a map have in a row."""
 
 
 def history_rows(data: WorkspaceMap) -> list[dict[str, Any]]:

@@ -9,8 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from harness.gate.study import LADDERS, MAP, YARDSTICK, standard, yardstick
+from harness.gate.study import LADDERS, YARDSTICK, standard, yardstick
 from harness.history.store import open_history
+from harness.run import GATE
 
 OPTIONS = ("--models", "rayleigh,condensed", "--baseline", "base", "--history", "past")
 
@@ -37,7 +38,7 @@ def test_from_the_first_baseline_to_a_reason(
         'SELECT model, "case", count(*) AS n FROM rows GROUP BY ALL'
     )
     counted = {(m, c): n for m, c, n in found.iter_rows()}
-    assert counted["condensed@exact", MAP] == 2 * 108 * 6
+    assert counted["condensed@exact", GATE] == 2 * 108 * 6
     assert counted[YARDSTICK, YARDSTICK] == 2
 
     file = Path("base/frequencies.csv")

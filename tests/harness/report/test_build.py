@@ -23,7 +23,7 @@ from harness.report.ledger import Ledger, variant
 from harness.report.page import page
 from harness.report.recorded import read_recorded
 from harness.report.sources import read_sources
-from harness.run import mechanism_hash
+from harness.run import MANY_POSES, mechanism_hash
 
 MOST_BYTES = 8_000_000
 
@@ -200,7 +200,7 @@ def test_the_order_of_rows_says_nothing(made: Any, tmp_path: Path) -> None:
 
 def test_sweeps_are_counted_not_read(made: Any) -> None:
     recorded = made.sources.recorded
-    assert not set(recorded.points["case"]) & set(store.MANY_POSES)
+    assert not set(recorded.points["case"]) & set(MANY_POSES)
     (sweep,) = recorded.sweeps.to_dicts()
     assert (sweep["models"], sweep["poses"], sweep["rows"]) == (
         "rayleigh@3, timoshenko@exact",

@@ -13,9 +13,9 @@ import pytest
 from analytic import Continuum, Limits, Mechanism, Pose, RegularWorkspace, Substructure, reachable
 from analytic.workspace import inscribed
 from harness.figures import picture
-from harness.history.store import COLUMNS, MANY_POSES, open_history
+from harness.history.store import COLUMNS, open_history
 from harness.models import Spec
-from harness.run import mechanism_hash
+from harness.run import MANY_POSES, mechanism_hash
 from harness.workspace.checks import (
     height_table,
     mirrored,
