@@ -1,1 +1,1 @@
-"""Compare, store, draw and gate: the only layer with effects."""
+"""Runs models at cases, compares them, keeps and shows what they say."""

@@ -25,7 +25,7 @@ import numpy as np
 from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod
 from analytic.errors import number, vector
 from harness.cases import PRESETS, Case
-from harness.models import parse_analytic
+from reference_models import parse
 
 Table = dict[str, Any]
 
@@ -33,12 +33,12 @@ Table = dict[str, Any]
 def load_cases(path: Path) -> dict[str, Case]:
     """Return the cases of `path` by name; raises `InputError` naming the key that is wrong."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError("--case-file", str(path), f"a readable file ({reason})") from None
+        raise InputError("case_file", str(path), f"a readable file ({reason})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError("--case-file", str(path), f"a TOML file ({error})") from None
+        raise InputError("case_file", str(path), f"a TOML file ({error})") from None
     _only(data, "the file", "mechanisms", "cases")
     mechanisms = {
         "paper": Mechanism.paper(),
@@ -51,7 +51,7 @@ def load_cases(path: Path) -> dict[str, Case]:
         for name, table in _tables(data, "cases").items()
     }
     if not cases:
-        raise InputError("--case-file", str(path), "at least one [cases.NAME] table")
+        raise InputError("case_file", str(path), "at least one [cases.NAME] table")
     return cases
 
 
@@ -88,8 +88,8 @@ def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str
         np.radians(_get(table, where, "tilt_deg", 0.0)),
     )
     note = str(table.get("note", f"{mechanism} of {source}"))
-    model = parse_analytic(str(table.get("model", "euler-bernoulli")), f"{where}.model")
-    return Case(name, mechanisms[mechanism], pose, note, model.label)
+    theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
+    return Case(name, mechanisms[mechanism], pose, note, theory)
 
 
 def _mechanism(table: Table, where: str) -> Mechanism:

@@ -5,27 +5,37 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic import InputError, Mechanism, Platform, Pose
+from reference_models import Named
 
 
 @dataclass(frozen=True)
 class Case:
     """A mechanism at a pose.
 
-    Attributes: `name`; `mechanism`; `pose`; `note`, where its numbers come from; `model`, the
-    analytic model it is meant for; `published`, the case of the paper's Table I it stands for;
-    `errata`, the ids of the errata that explain its numbers.
+    Attributes: `name`; `mechanism`; `pose`; `note`, where its numbers come from; `theory`, the
+    model it is meant for; `published`, the case of the paper's Table I it stands for; `errata`,
+    the ids of the errata that explain its numbers; `title`, what a figure calls it.
     """
 
     name: str
     mechanism: Mechanism
     pose: Pose
     note: str
-    model: str = "euler-bernoulli@3"
+    theory: Named = Named("euler-bernoulli", 3)  # noqa: RUF009  frozen
     published: str = ""
     errata: tuple[str, ...] = ()
+    title: str = ""
+
+    @property
+    def heading(self) -> str:
+        """The case in words, for a figure."""
+        return f"{self.name}: {self.title}" if self.title else self.name
 
 
-_ANGLES = {"case1": (0.0, 0.0), "case2": (10.0, -12.0)}  # phi, theta [deg], Section 3.3
+_POSES = {  # phi, theta [deg], Section 3.3
+    "case1": (0.0, 0.0, "level platform"),
+    "case2": (10.0, -12.0, "tilted platform"),
+}
 
 
 def _with_base(radius: float) -> Mechanism:
@@ -36,26 +46,27 @@ def _with_base(radius: float) -> Mechanism:
 
 def _presets() -> dict[str, Case]:
     paper, printed_inertia = Mechanism.paper(), Mechanism.paper(inertia="printed")
+    euler, rayleigh = Named("euler-bernoulli", 3), Named("rayleigh", 3)
     variants = [
-        ("", paper, 0.49, "euler-bernoulli@3", ("height", "height-still-off"),
+        ("", paper, 0.49, euler, ("height", "height-still-off"),
          "printed parameters; z = 4.9 m read as 0.49 m; platform a disc"),
-        ("-as-printed", paper, 4.9, "euler-bernoulli@3", ("height",),
+        ("-as-printed", paper, 4.9, euler, ("height",),
          "printed parameters and z = 4.9 m; platform a disc"),
-        ("-printed-inertia", printed_inertia, 0.49, "euler-bernoulli@3", ("inertia", "height"),
+        ("-printed-inertia", printed_inertia, 0.49, euler, ("inertia", "height"),
          "z read as 0.49 m; platform inertia m r2^2 about all axes, Eq. 8 as printed"),
-        ("-z-fitted", paper, 0.5448, "euler-bernoulli@3", ("cases-disagree",),
+        ("-z-fitted", paper, 0.5448, euler, ("cases-disagree",),
          "z = 0.5448 m fitted to Table I, case 1; all else as printed; platform a disc"),
-        ("-z-r1-fitted", _with_base(0.3371), 0.53336, "rayleigh@3", ("case1-fit",),
+        ("-z-r1-fitted", _with_base(0.3371), 0.53336, rayleigh, ("case1-fit",),
          "z = 0.53336 m and r1 = 0.3371 m fitted to Table I, case 1, with section rotary inertia"),
-        ("-small-base", _with_base(0.1), 0.5451, "euler-bernoulli@3", ("lean",),
+        ("-small-base", _with_base(0.1), 0.5451, euler, ("lean",),
          "r1 = 0.1 m, limbs then lean outwards going up; z = 0.5451 m fitted to both cases"),
     ]  # fmt: skip
     cases = {}
-    for suffix, mechanism, z, model, errata, note in variants:
-        for published, (azimuth, tilt) in _ANGLES.items():
+    for suffix, mechanism, z, theory, errata, note in variants:
+        for published, (azimuth, tilt, title) in _POSES.items():
             name = published + suffix
             pose = Pose(z, np.radians(azimuth), np.radians(tilt))
-            cases[name] = Case(name, mechanism, pose, note, model, published, errata)
+            cases[name] = Case(name, mechanism, pose, note, theory, published, errata, title)
     return cases
 
 
@@ -67,5 +78,5 @@ def select(names: list[str], extra: dict[str, Case]) -> list[Case]:
     known = PRESETS | extra
     for name in names:
         if name not in known:
-            raise InputError("--cases", name, f"one of {', '.join(known)}")
+            raise InputError("cases", name, f"one of {', '.join(known)}")
     return [known[name] for name in dict.fromkeys(names)]

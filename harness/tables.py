@@ -2,17 +2,31 @@
 
 import csv
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import rich.table
     from rich.console import Group
+
+KEPT = 4
+"""Decimals that files keep beyond those shown: what machines agree on, and no more."""
+LONGEST = 40
+"""Characters of a cell that LaTeX still sets in one line."""
+PARAGRAPHS = 0.8
+"""Part of LaTeX's line that all longer columns share."""
+NARROW = 12
+"""Characters a column of text keeps at least, however narrow the terminal."""
+GAP = 2
+"""Spaces between columns."""
+BEGIN = r"\begin{tabular}"
 
 
 @dataclass(frozen=True)
 class Number:
-    """A number shown with `digits` decimals (`signed`: always with its sign), stored in full."""
+    """A number shown with `digits` decimals (`signed`: always with its sign)."""
 
     value: float
     digits: int = 3
@@ -21,13 +35,13 @@ class Number:
     def __str__(self) -> str:
         return f"{self.value:{'+' if self.signed else ''}.{self.digits}f}"
 
+    @property
+    def kept(self) -> str:
+        """The number as files keep it."""
+        return f"{self.value:.{self.digits + KEPT}f}"
+
 
 Cell = str | int | Number
-LONGEST = 40
-"""Characters of a cell that LaTeX still sets in one line."""
-PARAGRAPHS = 0.8
-"""Part of LaTeX's line that all longer columns share."""
-BEGIN = r"\begin{tabular}"
 
 
 @dataclass(frozen=True)
@@ -40,10 +54,10 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def _text(self) -> list[list[str]]:
-        return [[str(cell) for cell in row] for row in self.rows]
+        return [[_plain(str(cell)) for cell in row] for row in self.rows]
 
     def _numeric(self) -> list[bool]:
-        """Return which columns hold numbers; these are set flush right."""
+        """Return which columns hold numbers; these are set flush right and never broken."""
         return [
             any(isinstance(row[k], (int, Number)) for row in self.rows)
             for k in range(len(self.columns))
@@ -68,7 +82,7 @@ class Table:
 
         Columns of text with a cell longer than `LONGEST` are paragraphs that share the line.
         """
-        comments = "".join(f"% {line}\n" for line in (self.title, *self.notes))
+        comments = "".join(f"% {_plain(line)}\n" for line in (self.title, *self.notes))
         numeric = self._numeric()
         long = [
             not numeric[k] and any(len(str(row[k])) > LONGEST for row in self.rows)
@@ -84,39 +98,103 @@ class Table:
         return f"{comments}{BEGIN}{{{columns}}}\n{body}\n"
 
     def csv(self) -> str:
-        """Return the cells with every digit they have; no title or notes."""
+        """Return the cells, numbers with the digits that are significant; no title or notes."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(self.columns)
         for row in self.rows:
-            writer.writerow([c.value if isinstance(c, Number) else c for c in row])
+            writer.writerow([c.kept if isinstance(c, Number) else _harmless(c) for c in row])
         return text.getvalue()
 
-    def terminal(self) -> "Group":
-        """Return what rich prints."""
-        import rich.table
-        from rich.box import SIMPLE_HEAD
-        from rich.console import Group
-        from rich.text import Text
+    def to_frame(self) -> "pd.DataFrame":
+        """Return the cells as a pandas frame, numbers with every digit they have."""
+        import pandas as pd
 
-        title = Text(self.title, style="bold")
-        table = rich.table.Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-        for name, numeric in zip(self.columns, self._numeric(), strict=True):
-            table.add_column(
-                name, justify="right" if numeric else "left", no_wrap=numeric, overflow="fold"
-            )
-        first = [str(row[0]) for row in self.rows]
-        grouped = len(set(first)) < len(first)
-        for k, row in enumerate(self._text()):
-            if grouped and k and first[k] != first[k - 1]:
-                table.add_section()
-            table.add_row(*(Text(cell) for cell in row))
-        return Group(table, *(Text(f"  {note}", style="dim") for note in self.notes))
+        rows = [[c.value if isinstance(c, Number) else c for c in row] for row in self.rows]
+        return pd.DataFrame(rows, columns=list(self.columns))
 
     def files(self, stem: str) -> dict[str, bytes]:
         """Return `stem` with .csv, .md and .tex as files to write."""
         forms = {"csv": self.csv(), "md": self.markdown(), "tex": self.latex()}
         return {f"{stem}.{suffix}": text.encode() for suffix, text in forms.items()}
+
+    def terminal(self, width: int | None = None) -> "Group":
+        """Return what rich prints; where `width` is too small, the columns stand in blocks.
+
+        Every block repeats the leading columns of text, so that no number is ever cut. None: as
+        wide as it needs to be.
+        """
+        from rich.console import Group
+        from rich.text import Text
+
+        blocks = [self._block(block) for block in self._blocks(width)]
+        title = Text(_plain(self.title), style="bold")
+        return Group(
+            title, *blocks, *(Text(f"  {_plain(note)}", style="dim") for note in self.notes)
+        )
+
+    def width(self) -> int:
+        """Return the characters of the widest line, nothing broken."""
+        notes = max((len(note) + 2 for note in (self.title, *self.notes)), default=0)
+        return max(notes, sum(self._widths()) + GAP * len(self.columns) + 1)
+
+    def _widths(self) -> list[int]:
+        text = self._text()
+        return [
+            max([len(name), *(len(row[k]) for row in text)]) for k, name in enumerate(self.columns)
+        ]
+
+    def _blocks(self, width: int | None) -> Iterator[Mapping[int, int]]:
+        """Yield the columns of every block with their widths."""
+        numeric, natural = self._numeric(), self._widths()
+        if width is None or sum(natural) + GAP * len(natural) + 1 <= width:
+            yield dict(enumerate(natural))
+            return
+        room = width - 1
+        # The columns before the first number say what a row is; of many only the first few can.
+        first = numeric.index(True) if True in numeric else 1
+        keys: dict[int, int] = {}
+        for k in range(max(1, min(first, len(natural) - 1))):
+            most = natural[k] if numeric[k] else min(natural[k], max(NARROW, room // 3))
+            if keys and sum(keys.values()) + most + GAP * (len(keys) + 1) > room // 2:
+                break
+            keys[k] = most
+        block, used = dict(keys), sum(w + GAP for w in keys.values())
+        for k in range(len(natural)):
+            if k in keys:
+                continue
+            left = room - sum(w + GAP for w in keys.values()) - GAP
+            own = natural[k] if numeric[k] else min(natural[k], max(NARROW, left))
+            if used + own + GAP > room and len(block) > len(keys):
+                yield block
+                block, used = dict(keys), sum(w + GAP for w in keys.values())
+            block[k] = own
+            used += own + GAP
+        yield block
+
+    def _block(self, columns: Mapping[int, int]) -> "rich.table.Table":
+        import rich.table
+        from rich.box import SIMPLE_HEAD
+        from rich.text import Text
+
+        numeric, text = self._numeric(), self._text()
+        table = rich.table.Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1))
+        for k, width in columns.items():
+            table.add_column(
+                Text(self.columns[k]),
+                justify="right" if numeric[k] else "left",
+                no_wrap=numeric[k],
+                overflow="fold",
+                min_width=width,
+                max_width=width,
+            )
+        first = [str(row[0]) for row in self.rows]
+        grouped = len(set(first)) < len(first)
+        for number, row in enumerate(text):
+            if grouped and number and first[number] != first[number - 1]:
+                table.add_section()
+            table.add_row(*(Text(row[k]) for k in columns))
+        return table
 
 
 def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
@@ -124,3 +202,15 @@ def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
     return {
         name: text for stem, table in tables.items() for name, text in table.files(stem).items()
     }
+
+
+def _plain(text: str) -> str:
+    """Return `text` without what would steer a terminal or break a line."""
+    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
+
+
+def _harmless(cell: str | int) -> str | int:
+    """Return a cell that no spreadsheet takes for a formula."""
+    if isinstance(cell, str):
+        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else _plain(cell)
+    return cell

@@ -1,1 +1,0 @@
-"""Every checkable statement of the paper, measured and judged."""

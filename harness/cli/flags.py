@@ -1,0 +1,104 @@
+"""Flags: what the standard arguments are called and mean on the command line."""
+
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+
+FLAGS = {
+    "cases": ("CASE,CASE", "Cases by name; default case1,case2, or all of --case-file."),
+    "case_file": ("FILE", "TOML file with mechanisms and cases of your own."),
+    "references": ("A,B", "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate."),
+    "elements": ("S,S", "Elements a limb, as in 1,2,4-8."),
+    "modes": ("I,I", "Mode numbers; default 1-6."),
+    "model": ("NAME[@S]", "The model under test, with @S elements or @exact."),
+    "shear": ("KAPPA", "Timoshenko's kappa: cowper (default), 0.9, 6/7 or a number."),
+}
+"""Metavariable and help of every standard argument."""
+WRITES = ("output", "history", "json", "markdown", "junit")
+"""Options that say where to write, not what to compute."""
+_known: set[str] = set()
+"""Arguments that are flags of the command that runs: errors name them as they are typed."""
+
+
+def flag(name: str) -> str:
+    """Return an argument's name as it is typed."""
+    return "--" + name.replace("_", "-")
+
+
+def option(name: str, metavar: str, text: str, **more: Any) -> Callable[..., Any]:
+    """Return click's decorator for an argument that is handed over as text."""
+    _known.add(name)
+    return click.option(flag(name), name, metavar=metavar, help=text, **more)
+
+
+def standard(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return a decorator that gives a command the standard arguments called `names`."""
+
+    def give(command: Callable[..., Any]) -> Callable[..., Any]:
+        for name in reversed(names):
+            command = option(name, *FLAGS[name])(command)
+        return command
+
+    return give
+
+
+def output(default: str | None = None) -> Callable[..., Any]:
+    """Return the option --output: a folder, checked before anything is computed."""
+
+    def check(_context: Any, _option: Any, text: str | None) -> Path | None:
+        from harness.output import check_folder
+
+        return None if text is None else check_folder(text)
+
+    said = f"Folder for the files{f'; default {default}' if default else ''}."
+    return option("output", "DIR", said, default=default, callback=check)
+
+
+def history() -> Callable[..., Any]:
+    """Return the option --history: a folder, or None where no history is kept."""
+
+    def check(_context: Any, _option: Any, text: str) -> Path | None:
+        from harness.output import check_folder
+
+        return None if text == "none" else check_folder(text, "history")
+
+    said = "Folder of the history of runs, or none; default history, or $RPS_BENCH_HISTORY."
+    return option("history", "DIR", said, envvar="RPS_BENCH_HISTORY", default="history",
+                  callback=check)  # fmt: skip
+
+
+def time_limit() -> Callable[..., Any]:
+    """Return the option --time-limit: seconds that a simulator may take for one pose."""
+    from harness.bench import LIMIT
+
+    return click.option(
+        "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=LIMIT,
+        help=f"Seconds that a simulator may take for one pose; default {LIMIT:g}.",
+    )  # fmt: skip
+
+
+def dashed(sentence: str) -> str:
+    """Return an error's sentence with the argument that it names as it is typed."""
+    name = re.match(r"\w+", sentence)
+    if name and name[0] in _known:
+        return flag(name[0]) + sentence[name.end() :]
+    return sentence
+
+
+def as_typed() -> str:
+    """Return the command that runs now with its options, but for where it writes."""
+    context = click.get_current_context()
+    words = ["rps-bench", context.info_name or ""]
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        source = context.get_parameter_source(name)
+        if source is ParameterSource.COMMANDLINE and name not in WRITES:
+            given = context.params[name] is True
+            first = parameter.opts[0]
+            words += [first] if given else [first, str(context.params[name])]
+    return shlex.join(words)

@@ -1,0 +1,132 @@
+"""The command line: each command is loaded when it is called, and only that one."""
+
+import atexit
+import difflib
+import gc
+import os
+import sys
+from importlib import import_module
+
+import click
+
+from harness.cli.flags import dashed
+from harness.studies import STUDIES
+from harness.threads import one_thread
+
+OTHERS = {
+    "reproduce": (
+        "reproduce:reproduce",
+        "Run every study and write the page, into results/latest.",
+    ),
+    "accept": ("accept:accept", "Take results/latest as what README shows and the gate expects."),
+    "sweep": (
+        "sweep:sweep",
+        "Solve any poses by any models, on all cores or a cluster; resumable.",
+    ),
+    "check": ("check:check", "Check what moved since the accepted figures, and what must hold."),
+    "history": ("history:history", "List, filter, query and export the runs so far."),
+    "dashboard": ("dashboard:dashboard", "Make the page anew from the last run and the history."),
+    "models": ("lists:models", "List every model: its theory, version, and whether it can run."),
+    "cases": ("lists:cases", "List every case: its pose, and what of it was read or fitted."),
+}
+"""Commands that are no study: where each is in this package, and what it does."""
+HELP = {entry.name: entry.help for entry in STUDIES} | {k: v[1] for k, v in OTHERS.items()}
+FIRST = """\
+rps-bench checks a published model of the 3-RPS manipulator against independent simulators.
+
+Three things to start with:
+  rps-bench table               Table I of the paper, beside what it prints
+  rps-bench reproduce           every table and figure, and a page, into results/latest
+  rps-bench table --case-file mine.toml    your own mechanism
+
+All commands: rps-bench --help
+"""
+
+# Libraries are no garbage: to search them for some is a fifth of the time to load them, and a tenth
+# of a second at the end.
+gc.set_threshold(100_000)
+atexit.register(gc.freeze)
+
+
+class Commands(click.Group):
+    """The studies, and the commands above; one is loaded when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in their own order."""
+        return list(HELP)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a command, loaded now, or None where there is none of that name."""
+        if cmd_name in OTHERS:
+            module, _, name = OTHERS[cmd_name][0].partition(":")
+            command: click.Command = getattr(import_module(f"harness.cli.{module}"), name)
+            return command
+        if cmd_name in HELP:
+            from harness.cli.study import study_command
+
+            return study_command(cmd_name)
+        return None
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command; of an unknown one say which was meant."""
+        if args and args[0] not in HELP:
+            near = difflib.get_close_matches(args[0], HELP, 1)
+            meant = f"did you mean {near[0]}?" if near else "`rps-bench --help` lists them"
+            raise click.UsageError(f"there is no command {args[0]!r}; {meant}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands with their first sentences, loading none of them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(HELP.items()))
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one sentence and exit status 2."""
+    try:
+        with one_thread():
+            ended = cli(standalone_mode=False)
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read has enough: everything is written before it is shown
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        _say("interrupted")
+        sys.exit(130)
+    except click.ClickException as error:
+        _say(error.format_message())
+        sys.exit(2)
+    except Exception as error:
+        if not _is_sentence(error):
+            raise
+        _say(dashed(str(error)))
+        sys.exit(2)
+    sys.exit(ended if isinstance(ended, int) else 0)
+
+
+def _say(sentence: str) -> None:
+    click.echo(f"rps-bench: {sentence}", err=True)
+
+
+def _is_sentence(error: Exception) -> bool:
+    """Whether `error` says to the user what is wrong; loading what it might be takes a while."""
+    from analytic import InputError
+    from harness.output import OutputError
+    from reference_models import UnavailableError
+
+    return isinstance(error, (InputError, UnavailableError, OutputError))
+
+
+@click.group(
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(package_name="rps-bench", prog_name="rps-bench")
+@click.pass_context
+def cli(context: click.Context) -> None:
+    """Check the published model of the 3-RPS manipulator against independent simulators."""
+    if context.invoked_subcommand is None:
+        click.echo(FIRST)

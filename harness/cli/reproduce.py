@@ -1,0 +1,54 @@
+"""`rps-bench reproduce`: the main job."""
+
+from pathlib import Path
+
+import click
+
+from harness.cli import flags
+from harness.cli.terminal import Bar, Written, append_rows
+
+LATEST = "results/latest"
+
+
+@click.command()
+@flags.standard("cases", "case_file", "references", "elements", "modes", "model", "shear")
+@flags.option("only", "NAME,NAME", "Studies to make; default all of them.")
+@flags.output(LATEST)
+@flags.history()
+@flags.time_limit()
+def reproduce(
+    only: str | None, output: Path, history: Path | None, time_limit: float, **texts: str | None
+) -> int:
+    """Run every study for the cases and write tables, figures, a summary and a page."""
+    from harness import reproduce as job
+    from harness.bench import Bench
+    from harness.output import result_files, write_all
+    from harness.report.page import page_files
+    from harness.text import plan, split
+
+    asked = plan(texts)
+    entries = job.chosen(None if only is None else split("only", only))
+    parts, written = [], 0
+    with Bar() as bar, Bench(time_limit, bar) as bench:
+        bar.expect(len(entries))
+        for part in job.reproduce(entries, asked, bench):
+            files: dict[str, bytes] = {}
+            for stem, result in part.results.items():
+                files |= result_files(result, stem)
+            written += len(write_all(output, files))
+            parts.append(part)
+            bar.done(part.entry.title)
+    results = {stem: result for part in parts for stem, result in part.results.items()}
+    if history is not None:
+        append_rows(history, results)
+    last = {"summary.md": job.summary(asked, parts).encode()}
+    last |= page_files(asked, parts, history)
+    written += len(write_all(output, last))
+    for part in parts:
+        click.echo(f"{part.entry.title}:")
+        for line in part.sentences():
+            click.echo(f"  - {line}")
+    click.echo(f"{written} files in {output}/; start with {output / 'summary.md'}")
+    failures = {what: why for result in results.values() for what, why in result.failures().items()}
+    failures |= {part.entry.title: part.why for part in parts if part.why}
+    return Written((), failures).say()

@@ -1,0 +1,136 @@
+"""What a command shows and writes: tables, progress, files and failures. It writes first."""
+
+import shutil
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import click
+
+from harness.cli.flags import as_typed
+from harness.result import Result
+from harness.tables import Table
+
+
+class Bar:
+    """A progress bar on the terminal's error stream: what runs, and how long it will take."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import (
+            BarColumn,
+            MofNCompleteColumn,
+            Progress,
+            TextColumn,
+            TimeRemainingColumn,
+        )
+        from rich.text import Text
+
+        self._text = Text
+        console = Console(stderr=True)
+        self._bar = Progress(
+            TextColumn("{task.description:40.40}", markup=False),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self._task = self._bar.add_task("starting", total=0)
+        self._total = 0
+
+    def expect(self, number: int) -> None:
+        """Take in that so many more steps are to come."""
+        self._total += number
+        self._bar.update(self._task, total=self._total)
+
+    def done(self, what: str) -> None:
+        """Take in that a step is finished."""
+        self._bar.update(self._task, advance=1, description=what)
+
+    def __enter__(self) -> Self:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._bar.stop()
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a command wrote, and what has no answer."""
+
+    paths: tuple[Path, ...]
+    failures: Mapping[str, str]
+
+    def say(self) -> int:
+        """Name files and failures; return the exit status."""
+        for path in self.paths:
+            click.echo(f"wrote {path}")
+        for what, why in self.failures.items():
+            click.echo(f"rps-bench: {what} failed: {why}", err=True)
+        return 1 if self.failures else 0
+
+
+def finish(results: Mapping[str, Result], output: Path | None, history: Path | None) -> Written:
+    """Write the results' files and their rows of the history; return what was written."""
+    from harness.output import result_files, write_all
+
+    paths: list[Path] = []
+    if output is not None:
+        files: dict[str, bytes] = {}
+        for stem, result in results.items():
+            files |= result_files(result, stem)
+        paths = write_all(output, files)
+    if history is not None:
+        append_rows(history, results)
+    failures: dict[str, str] = {}
+    for result in results.values():
+        failures |= result.failures()
+    return Written(tuple(paths), failures)
+
+
+KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")
+"""What tells a row of the history from the others of its run."""
+
+
+def append_rows(history: Path, results: Mapping[str, Result]) -> None:
+    """Append the rows of a run to the history, each once.
+
+    Parts of one command may share a model, whose rows differ in seconds at most: the first's.
+    """
+    found: dict[tuple[Any, ...], Mapping[str, Any]] = {}
+    for result in results.values():
+        for row in result.rows():
+            found.setdefault(tuple(row.get(name) for name in KEY), row)
+    if found:
+        from harness.history.store import append
+
+        append(history, [*found.values()], as_typed())
+
+
+def show(results: Mapping[str, Result]) -> None:
+    """Print every result's tables and sentences."""
+    for result in results.values():
+        show_tables(*result.tables().values())
+        for line in result.sentences():
+            click.echo(f"- {line}")
+
+
+def show_tables(*tables: Table) -> None:
+    """Print tables with their titles and notes; in a pipe as wide as they need to be."""
+    from rich.console import Console
+
+    for table in tables:
+        if sys.stdout.isatty():
+            width = shutil.get_terminal_size().columns
+            console, shown = Console(highlight=False, markup=False), table.terminal(width)
+        else:
+            width = max(table.width(), 1)
+            console = Console(highlight=False, markup=False, width=width, soft_wrap=True)
+            shown = table.terminal()
+        console.print(shown)
+        console.print()

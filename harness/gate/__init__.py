@@ -1,1 +1,0 @@
-"""What moved since the accepted figures: the ratchet, properties without a baseline, timings."""

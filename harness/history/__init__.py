@@ -1,1 +1,0 @@
-"""Every run on record: Parquet files, asked by DuckDB."""

@@ -1,1 +1,0 @@
-"""Which mechanism a table of frequencies belongs to."""

@@ -1,0 +1,112 @@
+"""Results to files: tables, frames and figures, there whole or not at all."""
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.figures import figure_files, own_style
+from harness.result import Result
+from harness.tables import table_files
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+DIGITS = 10
+"""Significant digits of a number in a tidy file: what machines agree on, and no more."""
+
+
+class OutputError(RuntimeError):
+    """A result that could not be written; nothing half-written is left."""
+
+
+def result_files(result: Result, stem: str) -> dict[str, bytes]:
+    """Return a result's tables (.csv, .md, .tex), figures and tidy numbers as files to write."""
+    files = table_files({f"{stem}{ending}": t for ending, t in result.tables().items()})
+    with own_style():
+        for ending, figure in result.figures().items():
+            files |= figure_files(figure, f"{stem}{ending}")
+    return files | {f"{stem}-data.csv": tidy(result.to_frame())}
+
+
+def tidy(frame: "pd.DataFrame") -> bytes:
+    """Return a frame as CSV, numbers with the digits that are significant."""
+    text: str = frame.to_csv(index=False, lineterminator="\n", float_format=f"%.{DIGITS}g")
+    return text.encode()
+
+
+def check_folder(text: str, argument: str = "output") -> Path:
+    """Return the folder that `text` names; raises `InputError` where it cannot be one."""
+    from analytic import InputError
+
+    folder = Path(text)
+    if text == "" or (folder.exists() and not folder.is_dir()):
+        raise InputError(argument, text, "the name of a folder")
+    return folder
+
+
+def check_file(text: str, argument: str = "output") -> Path:
+    """Return the file that `text` names, which is a regular one or is not there yet.
+
+    Raises `InputError` for a folder, a link, a device and the like: writing would replace it.
+    """
+    from analytic import InputError
+
+    path = Path(text)
+    if not path.name or path.is_symlink() or (path.exists() and not path.is_file()):
+        raise InputError(argument, text, "the name of a file, no folder, link or device")
+    return path
+
+
+def write_all(directory: Path, files: Mapping[str, bytes], argument: str = "output") -> list[Path]:
+    """Write `files` (name: content) into `directory`, all or none of them.
+
+    Every file is complete under a temporary name before the first takes its own. Raises
+    `OutputError` with the reason and the `argument` that names the folder, leaving what was there
+    before.
+    """
+    targets = [directory / name for name in files]
+    with staged(directory, files, argument) as temporary:
+        for path, content in zip(temporary, files.values(), strict=True):
+            with path.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+        for path, target in zip(temporary, targets, strict=True):
+            path.replace(target)
+    return targets
+
+
+@contextmanager
+def staged(
+    directory: Path, names: Iterable[str], argument: str = "output"
+) -> Iterator[tuple[Path, ...]]:
+    """Yield an empty file beside each of `names` in `directory`: to fill and to rename.
+
+    What has not been renamed at the end is removed. Raises `OutputError` for any `OSError` inside,
+    with the reason and the `argument` that names the folder, and for a name that leaves it.
+    """
+    temporary: list[Path] = []
+    try:
+        for name in names:
+            target = directory / name
+            if Path(name).is_absolute() or ".." in Path(name).parts:
+                raise OutputError(f"{argument}: {name!r} is no name of a file in the folder")
+            if target.exists() and not target.is_file():
+                raise OutputError(f"{argument}: {str(target)!r} is there and is no file")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            handle, path = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+            os.close(handle)
+            temporary.append(Path(path))
+            temporary[-1].chmod(0o644)
+        yield tuple(temporary)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"{argument} = {str(directory)!r}: cannot write there ({reason})"
+        ) from None
+    finally:
+        for staging in temporary:
+            staging.unlink(missing_ok=True)

@@ -1,1 +1,0 @@
-"""What a frequency costs, and what an element buys."""

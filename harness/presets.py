@@ -1,0 +1,33 @@
+"""What is asked for where nothing is said: cases, models and modes by name."""
+
+from collections.abc import Iterable
+
+from reference_models import Named
+
+PAPER_CASES = "case1,case2"
+PAPER_ELEMENTS = 3
+"""What the paper settles on, Section 3.3."""
+STAND_IN = "exudyn-beam"
+"""The reference that stands for the paper's ANSYS: sheared beams between ideal joints."""
+USUAL = (STAND_IN, "exudyn-cable", "exudyn-ffrf", "mujoco-composite", "mujoco-cable",
+         "mujoco-chain", "calculix-solid", "ngsolve-solid", "ngsolve-averaged")  # fmt: skip
+"""The order in which references stand in tables; others follow."""
+SOLIDS = ("calculix-solid", "ngsolve-solid")
+"""What can stand for three-dimensional truth, the first that can run here."""
+DEFAULTS = {"references": STAND_IN, "modes": "1-6"}
+"""Texts of arguments that are left out."""
+
+
+def solid_truth() -> Named | None:
+    """Return the solid that stands for the truth, extrapolated, or None where none can run."""
+    for name in SOLIDS:
+        info = Named(name, None).info()
+        if not info.missing:
+            return Named(name, info.refinements)
+    return None
+
+
+def in_usual_order(names: Iterable[str]) -> list[str]:
+    """Return names of models as tables list them: the usual ones first, then others by name."""
+    place = {name: k for k, name in enumerate(USUAL)}
+    return sorted(names, key=lambda name: (place.get(name, len(place)), name))

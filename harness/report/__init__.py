@@ -1,1 +1,0 @@
-"""The dashboard: one offline page, a section a file, each with its own template."""

@@ -1,0 +1,66 @@
+"""What every study returns: numbers as a frame, tables, figures and sentences."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from harness.bench import Study, label
+from harness.tables import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+class Result:
+    """The answer of a study; it knows no file, no command line and no page.
+
+    A subclass is a frozen dataclass. It gives `to_frame`, `tables`, and where a picture makes sense
+    `figures`; keys of the last two are endings of file names, the first of them "".
+    """
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return the numbers as a tidy pandas frame: SI, units in the names of its columns."""
+        raise NotImplementedError
+
+    def tables(self) -> Mapping[str, Table]:
+        """Return the tables by the ending of their files' names."""
+        raise NotImplementedError
+
+    def figures(self) -> Mapping[str, "Figure"]:
+        """Return the figures by the ending of their files' names."""
+        return {}
+
+    def sentences(self) -> Sequence[str]:
+        """Return what the numbers say, in plain words, the most important first."""
+        return ()
+
+    @property
+    def studies(self) -> tuple[Study, ...]:
+        """What was solved for it."""
+        return ()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the tidy rows that the history keeps of it."""
+        return [row for study in self.studies for row in study.rows()]
+
+    def failures(self) -> dict[str, str]:
+        """Return what has no answer ("MODEL at CASE"), and why."""
+        return {
+            f"{label(model)} at {case.name}": why
+            for study in self.studies
+            for (case, model), why in study.failures.items()
+        }
+
+    def table(self) -> Table:
+        """Return the first of `tables`."""
+        return next(iter(self.tables().values()))
+
+    def plot(self) -> "Figure | None":
+        """Return the first of `figures`, or None where there is none."""
+        from harness.figures import own_style
+
+        with own_style():
+            return next(iter(self.figures().values()), None)
+
+    def _repr_html_(self) -> str:
+        return str(self.table().to_frame().to_html(index=False))

@@ -1,1 +1,0 @@
-"""Any poses by any models: on all cores or a cluster, resumable."""

@@ -1,0 +1,120 @@
+"""Texts to objects: what people write on the command line, in files, and in notebooks."""
+
+import re
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from analytic import InputError
+from analytic.theory import Theory
+from harness.case_file import load_cases
+from harness.cases import Case, select
+from harness.plan import Plan
+from harness.presets import DEFAULTS, PAPER_CASES, in_usual_order, solid_truth
+from harness.request import Request
+from reference_models import Named, UnavailableError, catalogue, parse
+
+MOST_ELEMENTS = 512
+MOST_MODES = 100
+_OUTSIDE = re.compile(r",(?![^\[]*\])")
+
+
+def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
+    """Return what `texts` (argument to text, None where left out) ask of `study`.
+
+    Raises `InputError` naming the argument that cannot be read.
+    """
+    given = {name: text for name, text in texts.items() if text is not None}
+    default = DEFAULTS | getattr(study, "DEFAULTS", {})
+    shear = shear_coefficient(given.get("shear"))
+    cases = chosen(given.get("cases"), given.get("case_file"), default.get("cases", PAPER_CASES))
+    model = given.get("model", default.get("model", ""))
+    theory = parse(model, "model", **shear) if model else cases[0].theory
+    elements = given.get("elements", default.get("elements", ""))
+    options = {
+        option.name: None if text is None else option.parse(text)
+        for option in getattr(study, "OPTIONS", ())
+        for text in [given.get(option.name, option.default)]
+    }
+    return Request(
+        tuple(cases),
+        theory,
+        tuple(models(given.get("references", default["references"]), "references", **shear)),
+        tuple(numbers("elements", elements, MOST_ELEMENTS)) if elements else None,
+        tuple(numbers("modes", given.get("modes", default["modes"]), MOST_MODES)),
+        options,
+    )
+
+
+def chosen(names: str | None, file: str | None, default: str) -> list[Case]:
+    """Return the cases called `names`, else all of `file`, else those of `default`."""
+    extra = load_cases(Path(file)) if file is not None else {}
+    if names is None:
+        return list(extra.values()) or select(default.split(","), {})
+    return select(split("cases", names), extra)
+
+
+def models(text: str, argument: str, **settings: Any) -> list[Named]:
+    """Return the models that `text` names, separated by commas; "all": what can run here."""
+    if text == "all":
+        found = in_usual_order(n for n, info in catalogue() if info.isolated and not info.missing)
+        if not found:
+            raise UnavailableError("no simulator can run here; `rps-bench models` says why")
+        return [parse(name, argument, **settings) for name in found]
+    return [parse(name, argument, **settings) for name in split(argument, text)]
+
+
+def numbers(argument: str, text: str, most: int) -> list[int]:
+    """Return "1,2,5-8" as whole numbers from 1 to `most`, ascending, without repeats."""
+    expected = f"whole numbers from 1 to {most}, such as 1,2,5-8"
+    found: set[int] = set()
+    for part in text.split(","):
+        low, dash, high = part.strip().partition("-")
+        good = low.isascii() and low.isdecimal() and len(low) < 10
+        if not good or (dash and not (high.isascii() and high.isdecimal() and len(high) < 10)):
+            raise InputError(argument, text, expected)
+        first, last = int(low), int(high or low)
+        if not 1 <= first <= last <= most:
+            raise InputError(argument, text, expected)
+        found.update(range(first, last + 1))
+    return sorted(found)
+
+
+def split(argument: str, text: str) -> list[str]:
+    """Return the names in `text`, separated by commas outside of brackets, each once."""
+    found = [name.strip() for name in _OUTSIDE.split(text)]
+    if not all(found):
+        raise InputError(argument, text, "names separated by commas")
+    return list(dict.fromkeys(found))
+
+
+def shear_coefficient(text: str | None) -> dict[str, str | float]:
+    """Return the setting `shear` that `text` means, none where it is left out."""
+    if text is None:
+        return {}
+    try:
+        shear: str | float = float(text)
+    except ValueError:
+        shear = text
+    try:
+        Theory("timoshenko", shear)
+    except InputError:
+        raise InputError("shear", text, "cowper, 0.9, 6/7 or a positive number") from None
+    return {"shear": shear}
+
+
+def plan(texts: dict[str, str | None]) -> Plan:
+    """Return what `texts` ask of the main job; the references are all that can run here."""
+    given = {name: text for name, text in texts.items() if text is not None}
+    shear = shear_coefficient(given.get("shear"))
+    cases = chosen(given.get("cases"), given.get("case_file"), PAPER_CASES)
+    theory = parse(given["model"], "model", **shear) if "model" in given else cases[0].theory
+    return Plan(
+        tuple(cases),
+        theory,
+        tuple(models(given.get("references", "all"), "references", **shear)),
+        tuple(numbers("elements", given.get("elements", "1-8"), MOST_ELEMENTS)),
+        tuple(numbers("modes", given.get("modes", "1-6"), MOST_MODES)),
+        solid_truth(),
+        "case_file" in given,
+    )

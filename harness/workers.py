@@ -1,0 +1,247 @@
+"""Processes of their own for what may crash or hang; one costs no more than the job it holds.
+
+A process is started as a program, not by `multiprocessing`: that works inside a Dask worker too,
+and the environment is set before numpy is imported. It leads a process group and has a temporary
+folder of its own; both end with it, whatever the model in it has started or left there.
+"""
+
+import gc
+import math
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from pathlib import Path
+from threading import Lock
+from typing import Protocol
+
+from harness.threads import ONE_THREAD
+
+START = 120.0
+"""A process that is not ready after this many seconds never will be."""
+TRIES = 2
+"""How often a job is tried whose process dies."""
+LOOK = 0.5
+"""Seconds after which a process looks whether its parent is still there."""
+PREFIX = "rps-bench-"
+"""What the names of temporary folders begin with; the parent's process number follows."""
+
+
+class Task(Protocol):
+    """Anything that can be pickled and knows how to solve itself."""
+
+    def solve(self) -> object:
+        """Return the answer, or raise what the model raises."""
+        ...
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why a task has no answer."""
+
+    reason: str
+
+
+class DiedError(RuntimeError):
+    """The process ended before its answer, or had to be ended; says how."""
+
+
+def attempt(task: Task) -> object:
+    """Solve `task` in this process; what the model raises becomes a `Failure`."""
+    from analytic.errors import InputError
+    from reference_models import ModelError, UnavailableError
+
+    try:
+        return task.solve()
+    except (ModelError, UnavailableError, InputError) as error:
+        return Failure(str(error))
+    except Exception as error:
+        return Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason given'}")
+
+
+class Child:
+    """One process that solves one task at a time."""
+
+    def __init__(self) -> None:
+        self._line, theirs = Pipe()
+        self._folder = tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-")
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "harness.workers", str(theirs.fileno())],
+                pass_fds=(theirs.fileno(),),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                cwd=self._folder,
+                env=os.environ | ONE_THREAD | {"TMPDIR": self._folder, "PYTHONPATH": _path()},
+                start_new_session=True,  # Ctrl-C is for the parent to act on
+            )
+        self._ready = False
+
+    def solve(self, task: Task, limit: float) -> object:
+        """Return the answer within `limit` seconds, or raise `DiedError`; then it is of no use."""
+        try:
+            self._ready = self._ready or self._receive(START) == "ready"
+            self._line.send((task, limit))
+            return self._receive(limit)
+        except (EOFError, OSError):
+            raise DiedError(self._ended(limit)) from None
+
+    def _receive(self, limit: float) -> object:
+        if not self._line.poll(limit):
+            self.close()
+            raise DiedError(f"gave no answer within the time limit of {limit:g} s")
+        return self._line.recv()
+
+    def _ended(self, limit: float) -> str:
+        status = self._process.wait()
+        self.close()
+        if status == -signal.SIGALRM:
+            return f"gave no answer within the time limit of {limit:g} s"
+        if status < 0:
+            return f"its process was ended by {signal.Signals(-status).name}"
+        return f"its process ended by itself with status {status}"
+
+    def kill(self) -> None:
+        """End the process and all it started; safe while another thread waits for it."""
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def close(self) -> None:
+        """End the process and let go of it."""
+        self.kill()
+        self._line.close()
+
+
+class Children:
+    """The processes of one parent, kept for the next job; any number of threads may ask.
+
+    One is started when there is a job for it, if not before.
+    """
+
+    def __init__(self) -> None:
+        self._idle: list[Child] = []
+        self._all: set[Child] = set()
+        self._lock = Lock()
+        self._closed = False
+
+    def start(self, number: int) -> None:
+        """Start processes ahead of their jobs until there are `number`."""
+        with self._lock:
+            new = [Child() for _ in range(number - len(self._all))]
+            self._idle += new
+            self._all.update(new)
+
+    def attempt(self, task: Task, limit: float, tries: int = TRIES) -> object:
+        """Solve `task`; where its process dies, try anew up to `tries` times, then say why."""
+        reason = ""
+        for number in range(1, tries + 1):
+            child = self._take()
+            if child is None:
+                return Failure("interrupted")
+            try:
+                answer = child.solve(task, limit)
+            except DiedError as error:
+                reason = f"{error} ({number} of {tries} tries)"
+                with self._lock:
+                    self._all.discard(child)
+                continue
+            except BaseException:  # Ctrl-C: a process in the middle of a job is of no use
+                child.close()
+                with self._lock:
+                    self._all.discard(child)
+                raise
+            with self._lock:
+                self._idle.append(child)
+                closed = self._closed
+            if closed:
+                child.close()
+            return answer
+        return Failure(reason)
+
+    def _take(self) -> Child | None:
+        with self._lock:
+            if self._closed:
+                return None
+            if not self._all:
+                sweep_up()
+            child = self._idle.pop() if self._idle else Child()
+            self._all.add(child)
+            return child
+
+    def close(self) -> None:
+        """End all processes; jobs under way fail."""
+        with self._lock:
+            self._closed = True
+            idle, running = self._idle, self._all.difference(self._idle)
+            self._idle = []
+        for child in idle:
+            child.close()
+        for child in running:
+            child.kill()
+
+
+def sweep_up() -> None:
+    """Remove temporary folders whose parent was killed before it could."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*-*"):
+        owner = folder.name.removeprefix(PREFIX).partition("-")[0]
+        if owner.isdecimal() and not _alive(int(owner)):
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # it is another user's
+        return True
+    return True
+
+
+def _path() -> str:
+    """Return where this process finds modules: the child starts in another folder."""
+    return os.pathsep.join(str(Path(entry).resolve()) for entry in sys.path if entry)
+
+
+def _end_with(parent: int) -> None:
+    """End this process and all it started once `parent` has gone: nobody would wait for it."""
+    while os.getppid() == parent:
+        time.sleep(LOOK)
+    shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
+    os.killpg(0, signal.SIGKILL)
+
+
+def _serve(line: Connection) -> None:
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    gc.set_threshold(100_000)  # libraries are no garbage
+    import harness.bench  # noqa: F401  what every task needs: before it is ready
+
+    with line, suppress(EOFError, BrokenPipeError):
+        line.send("ready")
+        while True:
+            task, limit = line.recv()
+            # A model that holds the interpreter cannot be watched from a thread.
+            signal.alarm(math.ceil(limit) + 1)
+            reply = attempt(task)
+            signal.alarm(0)
+            try:
+                line.send(reply)
+            except (EOFError, BrokenPipeError):
+                raise
+            except Exception as error:  # an answer that cannot be pickled is none
+                line.send(Failure(f"its answer cannot be handed over ({error})"))
+
+
+if __name__ == "__main__":
+    _serve(Connection(int(sys.argv[1])))

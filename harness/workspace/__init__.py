@@ -1,1 +1,0 @@
-"""Fig. 6: maps of frequencies over the regular workspace."""
