@@ -1,10 +1,13 @@
 """The analytic elastodynamic model of R-P-S parallel manipulators: numpy and scipy only."""
 
-from analytic.condensed import condensed_frequencies
+__version__ = "0.1.0"
+
+from analytic.condensed import Condensed, condensed_frequencies
 from analytic.continuum import Continuum
 from analytic.errors import InputError
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
+from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
 from analytic.pose import Pose, position
@@ -14,17 +17,18 @@ from analytic.substructure import Substructure
 from analytic.theory import Theory
 from analytic.workspace import Limits, reachable
 
-__version__ = "0.1.0"
-
 __all__ = [
     "STATIONS",
+    "Condensed",
     "Continuum",
+    "Info",
     "InputError",
     "Limb",
     "Limbs",
     "Limits",
     "Material",
     "Mechanism",
+    "Model",
     "Modes",
     "Multipliers",
     "Platform",

@@ -1,7 +1,11 @@
 """Natural frequencies of thousands of poses a call, at a cost that no element count enters."""
 
+from __future__ import annotations
+
+import time
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +15,15 @@ from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kernel import compiled
 from analytic.mechanism import Mechanism
-from analytic.modes import check_count
+from analytic.model import Info
+from analytic.modes import Modes, check_count
 from analytic.pose import Pose
 from analytic.reduced import Constants, Floats, Reduced, constants, geometry, reduced
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic
+
+if TYPE_CHECKING:
+    from analytic.continuum import Continuum
 
 Loop = Callable[..., Any]
 
@@ -29,10 +37,81 @@ BESIDE = 1e-8
 """How far from the last root, relative in omega^2, modes are counted."""
 GRADED = 1e-6
 """An eigenvalue below this part of the largest has lost too many digits for 1e-9."""
+AGREED = 1e-9
+"""How far, relative, frequencies may be from those of the model they are condensed from."""
 WORTHWHILE = 200_000
 """Poses from which on the compiled loop repays the seconds that it takes to load."""
 LEVELS = 6
 """Most limb modes a bending direction before a pose is left to certified bisection."""
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """The models that `condensed_frequencies` condenses, as one more model.
+
+    `elements` a limb, or None for exact limbs; `beam` and `shear` choose the theory (see `Theory`).
+    Raises `InputError` for unknown names or fewer than one element.
+    """
+
+    elements: int | None = None
+    beam: str = "euler-bernoulli"
+    shear: str | float = "cowper"
+
+    def __post_init__(self) -> None:
+        if self.elements is not None:
+            whole("elements", self.elements)
+        Theory(self.beam, self.shear)
+
+    @property
+    def theory(self) -> Theory:
+        """The beam theory of the limbs."""
+        return Theory(self.beam, self.shear)
+
+    def info(self) -> Info:
+        """Return what the model is."""
+        return self.theory.info()
+
+    def limit(self) -> Continuum:
+        """Return the exact model of the same theory."""
+        from analytic.continuum import Continuum  # which takes its frequencies from here
+
+        return Continuum(self.beam, self.shear)
+
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
+        """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count)."""
+        return condensed_frequencies(
+            mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
+        )
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
+        """Return the `count` lowest modes at one pose, with the shapes of the model condensed.
+
+        Raises `InputError` for a pose out of reach, and `ArithmeticError` where that model's own
+        frequencies differ by more than 1e-9.
+        """
+        from analytic.substructure import Substructure
+
+        begin = time.perf_counter()
+        found = self.frequencies(mechanism, pose, count)
+        solved = time.perf_counter()
+        full = (
+            self.limit()
+            if self.elements is None
+            else Substructure(self.elements, self.beam, self.shear)
+        ).modes(mechanism, pose, count)
+        apart = np.abs(found - full.frequencies)
+        if (apart > AGREED * full.frequencies).any():
+            raise ArithmeticError(
+                f"condensed frequencies differ from the full model's by {apart.max():.1e} Hz"
+            )
+        return replace(
+            full,
+            frequencies=found,
+            model="condensed",
+            version="rps-bench, condensed",
+            build_seconds=time.perf_counter() - solved,
+            solve_seconds=solved - begin,
+        )
 
 
 def condensed_frequencies(

@@ -1,15 +1,19 @@
 """The model without elements: exact limbs, certified frequencies, mode shapes."""
 
+from __future__ import annotations
+
 import time
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.condensed import condensed_frequencies
 from analytic.dynamic_stiffness import bending_waves
 from analytic.errors import InputError, number
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose
 from analytic.substructure import platform_mass
@@ -37,6 +41,28 @@ class Continuum:
     def theory(self) -> Theory:
         """The beam theory of the limbs."""
         return Theory(self.beam, self.shear)
+
+    @property
+    def elements(self) -> None:
+        """None: there are no elements."""
+        return
+
+    def info(self) -> Info:
+        """Return what the model is."""
+        return self.theory.info()
+
+    def limit(self) -> Continuum:
+        """Return this model: it is its own limit."""
+        return self
+
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> NDArray[np.float64]:
+        """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).
+
+        By `condensed_frequencies`, to 1e-9.
+        """
+        return condensed_frequencies(
+            mechanism, poses, None, beam=self.beam, shear=self.shear, count=count
+        )
 
     def count_below(self, mechanism: Mechanism, pose: Pose, frequency: float) -> int:
         """Return how many modes lie below `frequency` [Hz], by Wittrick and Williams (1971).

@@ -10,12 +10,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from analytic.continuum import Continuum
 from analytic.eigen import hertz, lowest_modes
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.lanczos import factor, lowest
 from analytic.limbs import Limbs
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
 from analytic.substructure import (
@@ -70,6 +72,22 @@ class Multipliers:
     def theory(self) -> Theory:
         """The beam theory of the elements."""
         return Theory(self.beam, self.shear)
+
+    def info(self) -> Info:
+        """Return what the model is."""
+        return self.theory.info()
+
+    def limit(self) -> Continuum | None:
+        """Return the exact model of the same theory; None if the base is free."""
+        return Continuum(self.beam, self.shear) if self.base == "revolute" else None
+
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> NDArray[np.float64]:
+        """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count)."""
+        if not poses.shape:
+            return self.modes(mechanism, poses, count).frequencies
+        if not len(poses):
+            return np.empty((*poses.shape, count))
+        return np.stack([self.frequencies(mechanism, pose, count) for pose in poses])
 
     def matrices(
         self, mechanism: Mechanism, pose: Pose

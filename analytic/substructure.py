@@ -5,6 +5,7 @@ from __future__ import annotations  # scipy loads its parts when they are first 
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -16,9 +17,13 @@ from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose
 from analytic.theory import Theory
+
+if TYPE_CHECKING:
+    from analytic.continuum import Continuum
 
 SOLVERS = ("dense", "sparse")
 
@@ -46,6 +51,27 @@ class Substructure:
     def theory(self) -> Theory:
         """The beam theory of the elements."""
         return Theory(self.beam, self.shear)
+
+    def info(self) -> Info:
+        """Return what the model is."""
+        return self.theory.info()
+
+    def limit(self) -> Continuum:
+        """Return the exact model of the same theory."""
+        from analytic.continuum import Continuum  # which needs the platform's mass from here
+
+        return Continuum(self.beam, self.shear)
+
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> NDArray[np.float64]:
+        """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).
+
+        Of many poses by `condensed_frequencies`, which gives the same to 1e-9.
+        """
+        from analytic.condensed import condensed_frequencies
+
+        return condensed_frequencies(
+            mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
+        )
 
     def matrices(
         self, mechanism: Mechanism, pose: Pose

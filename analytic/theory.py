@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 
+from analytic import __version__
 from analytic.errors import InputError, number
 from analytic.mechanism import Material, Mechanism, Rod
+from analytic.model import Info
 
 BEAMS = {
     "euler-bernoulli": "Euler-Bernoulli",
@@ -67,3 +69,19 @@ class Theory:
         if self.beam != "timoshenko":
             return name
         return f"{name}, kappa={self.shear_coefficient(material):.4g}"
+
+    def info(self) -> Info:
+        """Return what every analytic model of this theory is; its exact model bears its name."""
+        name = BEAMS[self.beam]
+        if self.beam == "timoshenko":
+            name += f", kappa {'by Cowper' if self.shear == 'cowper' else f'= {self.shear}'}"
+        return Info(
+            theory=name,
+            program="rps-bench",
+            version=__version__,
+            order=2 if self.beam == "timoshenko" else 4,
+            refinements=None,
+            ladder=(3, 4, 8, 16),
+            limit=self.beam,
+            isolated=False,
+        )
