@@ -49,13 +49,15 @@ LEVELS = 6
 class Condensed:
     """The models that `condensed_frequencies` condenses, as one more model.
 
-    `elements` a limb, or None for exact limbs; `beam` and `shear` choose the theory (see `Theory`).
+    `elements` a limb, or None for exact limbs; `beam` and `shear` choose the theory (see `Theory`);
+    `fast`: the compiled loop, as in `condensed_frequencies`.
     Raises `InputError` for unknown names or fewer than one element.
     """
 
     elements: int | None = None
     beam: str = "euler-bernoulli"
     shear: str | float = "cowper"
+    fast: bool | None = None
 
     def __post_init__(self) -> None:
         if self.elements is not None:
@@ -80,7 +82,13 @@ class Condensed:
     def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
         """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count)."""
         return condensed_frequencies(
-            mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
+            mechanism,
+            poses,
+            self.elements,
+            beam=self.beam,
+            shear=self.shear,
+            count=count,
+            fast=self.fast,
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
