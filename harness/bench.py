@@ -10,7 +10,7 @@ from analytic.pairing import Pairing, pair
 from harness.answer import checked
 from harness.cases import Case
 from harness.rows import mode_rows, settings
-from harness.workers import Children, Failure, attempt
+from harness.workers import Children, Failure, Task, attempt
 from reference_models import ModelError
 
 if TYPE_CHECKING:
@@ -162,17 +162,17 @@ class Bench:
         info = model.info()
         if info.missing:
             return Failure(f"cannot run here: {info.missing}")
-        task = ModesTask(model, mechanism, pose, count)
-        if info.isolated:
-            found = self._children.attempt(task, self.limit)
-        else:
-            found = attempt(task)
+        found = self.call(ModesTask(model, mechanism, pose, count), info.isolated)
         if isinstance(found, Failure):
             return found
         try:
             return checked(found, info, mechanism, pose, count)
         except ModelError as error:
             return Failure(str(error))
+
+    def call(self, task: Task, isolated: bool) -> object:
+        """Return what a task answers, or a `Failure`; in a process of its own if `isolated`."""
+        return self._children.attempt(task, self.limit) if isolated else attempt(task)
 
     def close(self) -> None:
         """End the processes."""

@@ -1,0 +1,405 @@
+"""What a frequency costs: build, solve and the rest told apart, beside counted work."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from analytic import InputError, Substructure
+from harness import published
+from harness.bench import Bench
+from harness.cases import Case
+from harness.figures import COLOURS, MARKERS
+from harness.plan import Plan
+from harness.presets import PAPER_ELEMENTS
+from harness.request import Option, Request
+from harness.result import Result
+from harness.studies.precision import COUNT, SOLVERS, timed_rows, whole_number
+from harness.tables import Cell, Number, Table
+from harness.timing import Timed, Timings, Way, time_ways
+from reference_models import Named
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
+FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
+MATRICES = 10_000
+LARGE = 8
+"""From this s on, growth is fitted a second time: below it, what does not grow dominates."""
+MOST_POSES = 1_000_000
+MANY_MARKERS = (*MARKERS, "P", "X", "<", ">", "*", "p")
+
+
+def _batches(text: str) -> tuple[int, ...]:
+    sizes = [whole_number("batches", part.strip(), MOST_POSES) for part in text.split(",")]
+    if len(sizes) > 32:
+        raise InputError("batches", text, "at most 32 sizes, such as 1,10,100")
+    return tuple(sorted(set(sizes)))
+
+
+DEFAULTS = {"references": "all", "elements": "1,2,4,8,16,32,64", "cases": "case2"}
+OPTIONS = (
+    Option("repeats", "N", "How often everything is timed; default 7.", "7",
+           lambda text: whole_number("repeats", text, 1000)),
+    Option("batches", "N,N", "Poses a call; default 1,10,100,1000,10000,100000.",
+           "1,10,100,1000,10000,100000", _batches),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Growth:
+    """t ~ size^exponent by least squares on logarithms, with the exponent's standard error."""
+
+    method: str
+    what: str
+    sizes: tuple[int, ...]
+    exponent: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Cost(Result):
+    """A whole run at `case`: `timings` of every model against s, and of `batches` of poses."""
+
+    case: Case
+    theory: Named
+    timings: Timings
+    batches: tuple[Timed, ...]
+    stand_in: Timed | None
+
+    @property
+    def elements(self) -> tuple[Timed, ...]:
+        """What was timed one pose a call."""
+        many = {id(one) for one in self.batches}
+        return tuple(t for t in self.timings.timed if id(t) not in many and t is not self.stand_in)
+
+    def ratios(self, one: Timed, yardstick: str) -> Array:
+        """Return seconds a pose in times of a yardstick of the same round."""
+        yard = self.timings.yardsticks[yardstick]
+        return one.seconds / yard[: len(one.seconds)]
+
+    def at(self, method: str, size: int | None = PAPER_ELEMENTS) -> Timed | None:
+        """Return what one method took with `size` elements, or None."""
+        found = (t for t in self.elements if t.way.method == method and t.way.model.elements == size)
+        return next(found, None)
+
+    def growth(self, least: int = 1) -> list[Growth]:
+        """Return how every method's time, and its solve time, grow with s."""
+        from scipy.stats import linregress
+
+        result = []
+        for method in dict.fromkeys(t.way.method for t in self.elements):
+            own = [t for t in self.elements if t.way.method == method]
+            for what, value in (("time", _whole), ("solve time", _solve)):
+                points = [
+                    (t.way.model.elements, value(t)) for t in own
+                    if isinstance(t.way.model.elements, int) and t.way.model.elements >= least
+                    and value(t)
+                ]  # fmt: skip
+                if len(points) >= 3:
+                    sizes, seconds = zip(*points, strict=True)
+                    fit = linregress(np.log(sizes), np.log(seconds))
+                    slope, error = float(fit.slope), float(fit.stderr)
+                    result.append(Growth(method, what, sizes, slope, error))
+        return result
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return one row a way and round: seconds a pose, and its parts."""
+        import pandas as pd
+
+        return pd.DataFrame([
+            {
+                "method": t.way.method, "elements": t.way.size,
+                "poses_a_call": max(1, t.way.poses), "dofs": t.dofs, "round": k + 1,
+                "seconds_a_pose": float(value), "build_s": t.build, "solve_s": t.solve,
+            }
+            for t in self.timings.timed
+            for k, value in enumerate(t.seconds)
+        ])  # fmt: skip
+
+    def tables(self) -> dict[str, Table]:
+        """Return cost against elements, its growth, against batch size, and the paper's claims."""
+        found = {"-elements": self._elements_table(), "-growth": self._growth_table(),
+                 "-batches": self._batches_table()}  # fmt: skip
+        return found | ({"-claims": self._claims_table()} if self.case.published else {})
+
+    def _elements_table(self) -> Table:
+        rows: list[tuple[Cell, ...]] = []
+        for t in self.elements:
+            known = t.build is not None and t.solve is not None
+            rest = t.median - (t.build or 0) - (t.solve or 0)
+            rows.append((
+                t.way.method, t.way.size, "-" if t.dofs is None else t.dofs,
+                Number(1e3 * t.median, 3), *_quartiles(1e3 * t.seconds),
+                *([_ms(t.build), _ms(t.solve), _ms(rest)] if known else ["-", "-", "-"]),
+                Number(float(np.median(self.ratios(t, YARDSTICK))), 2),
+            ))  # fmt: skip
+        columns = ("Model", "s", "dofs", "median [ms]", "q1 [ms]", "q3 [ms]", "build [ms]",
+                   "solve [ms]", "rest [ms]", "ratio")  # fmt: skip
+        yard = float(np.median(self.timings.yardsticks[YARDSTICK]))
+        notes = (
+            f"ratio: to {YARDSTICK}, {1e3 * yard:.3f} ms here",
+            "build: the matrices; solve: the eigen-solution; rest: shapes, and what the interpreter "
+            "adds",
+            *self._circumstances(),
+            *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
+        )
+        return Table("Cost of one pose against the number of elements", columns, tuple(rows), notes)
+
+    def _growth_table(self) -> Table:
+        large = {(g.method, g.what): g for g in self.growth(LARGE)}
+        rows: list[tuple[Cell, ...]] = []
+        for g in self.growth():
+            tail = large.get((g.method, g.what))
+            end: tuple[Cell, ...] = ("-", "-", "-")
+            if tail is not None:
+                end = (_range(tail.sizes), Number(tail.exponent, 2), Number(tail.error, 2))
+            own = (Number(g.exponent, 2), Number(g.error, 2))
+            rows.append((g.method, g.what, _range(g.sizes), *own, *end))
+        columns = ("Model", "Of", "s", "exponent", "std. error", "large s", "exponent", "std. error")
+        notes = ("median seconds ~ s^exponent, least squares on logarithms; three sizes at least",)
+        title = "Growth of cost with the number of elements"
+        return Table(title, columns, tuple(rows), notes)
+
+    def _batches_table(self) -> Table:
+        rows = [
+            (t.way.method.partition(f", {t.way.poses} poses")[0], t.way.size, max(1, t.way.poses),
+             Number(1e6 * t.median, 2), *_quartiles(1e6 * t.seconds, 2),
+             Number(float(np.median(self.ratios(t, FLOOR))), 2))
+            for t in self.batches
+        ]  # fmt: skip
+        columns = ("Model", "s", "poses a call", "median [us]", "q1 [us]", "q3 [us]", "6x6 eigh")
+        floor = float(np.median(self.timings.yardsticks[FLOOR]))
+        notes = (f"all a pose; 6x6 eigh: ratio to {FLOOR}, {1e6 * floor:.2f} us here",
+                 *self._circumstances())  # fmt: skip
+        title = "Cost of a pose against the number of poses a call"
+        return Table(title, columns, tuple(rows), notes)
+
+    def _claims_table(self) -> Table:
+        """Return what the paper claims next to what this run measured."""
+        said = published.cost()
+        own = self.at(self.theory.name)
+        rows: list[tuple[Cell, ...]] = []
+        rivals = [(f"multipliers, solver {solver}", f"multipliers, {solver}") for solver in SOLVERS]
+        if own is not None:
+            rows.append(_seconds("theoretical model", said["theoretical model"], own))
+            if self.stand_in is not None:
+                rows.append(
+                    _seconds("finite-element model", said["finite-element model"], self.stand_in)
+                )
+                rows.append(_saved(said["cost saved"], own, self.stand_in))
+            for method, _ in rivals:
+                rival = self.at(method)
+                if rival is not None:
+                    rows += [_seconds(method, None, rival), _saved(None, own, rival)]
+        columns = ("Claim", "Unit", "Paper", "Here", "What was measured")
+        notes = (
+            "the paper compares with finite elements (ANSYS) alone and says neither on what "
+            "machine nor what the times include; it gives no time with multipliers",
+            *self._circumstances(),
+        )
+        title = "What the paper claims, and what was measured"
+        return Table(title, columns, tuple(rows), notes)
+
+    def _circumstances(self) -> tuple[str, ...]:
+        return (
+            f"{self.case.name}, {self.timings.rounds} rounds of everything, one BLAS thread; "
+            f"numpy {np.__version__}, scipy {scipy.__version__}",
+        )
+
+    def figures(self) -> dict[str, "Figure"]:
+        """Return (a) one pose against elements and (b) a pose against batch size."""
+        return {"": cost_figure(self)}
+
+    def sentences(self) -> list[str]:
+        """Return what a pose costs in large batches, and what multipliers cost beside the paper's."""
+        lines = []
+        size = max((t.way.poses for t in self.batches), default=0)
+        exact = [t for t in self.batches if t.way.poses == size and t.way.size == "exact"]
+        if exact:
+            each = "; ".join(
+                f"{t.way.method}: {np.median(self.ratios(t, FLOOR)):.1f} ({1e6 * t.median:.0f} us)"
+                for t in exact
+            )
+            lines.append(f"A pose costs, in times of one 6x6 numpy.linalg.eigh: {each}.")
+        own = self.at(self.theory.name)
+        if own is not None:
+            for solver in SOLVERS:
+                rival = self.at(f"multipliers, solver {solver}")
+                if rival is not None:
+                    lines.append(
+                        f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) takes "
+                        f"{rival.median / own.median:.2f} times as long as the paper's, its "
+                        f"eigen-solution {_solve(rival) / _solve(own):.2f} times."
+                    )
+        return lines
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return a row a way and mode for the history."""
+        return [row for t in self.timings.timed for row in timed_rows(t, [self.case], "cost")]
+
+    def failures(self) -> dict[str, str]:
+        """Return what has no answer, and why."""
+        return self.timings.failures
+
+
+def measure(
+    case: Case,
+    theory: Named,
+    references: Sequence[Named],
+    elements: Sequence[int],
+    batches: Sequence[int],
+    rounds: int,
+    bench: Bench,
+) -> Cost:
+    """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always among `elements`."""
+    steps = sorted({*elements, PAPER_ELEMENTS})
+    kinds = [theory.settings + (("solver", solver),) for solver in ("dense", "sparse")]
+    ways = [Way(replace(theory, elements=s)) for s in steps]
+    ways += [Way(replace(theory, elements=s, settings=kind)) for kind in kinds for s in steps]
+    ways += [
+        Way(Named("multipliers", s, (("solver", solver),))) for solver in SOLVERS for s in steps
+    ]
+    loops = [Named("condensed", None, (("fast", fast),)) for fast in _loops()]
+    ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
+    limit = theory.limit()
+    ways += [Way(limit)] if limit is not None else []
+    ways += [Way(replace(model, elements=s)) for model in references for s in steps]
+    whole = [Way(model) for model in references[:1] if isinstance(model.elements, tuple)]
+    batch = [
+        Way(replace(loop, elements=s), size)
+        for loop in loops
+        for s in dict.fromkeys((steps[0], steps[-1], None))
+        for size in batches
+        if size > 1
+    ]
+    pair = Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)
+    K, M = (matrix.toarray() if hasattr(matrix, "toarray") else matrix for matrix in pair)
+    A = np.random.default_rng(0).standard_normal((MATRICES, 6, 6))
+    yardsticks = {
+        YARDSTICK: partial(scipy.linalg.eigh, K, M),
+        FLOOR: partial(np.linalg.eigh, A + A.swapaxes(1, 2)),
+    }
+    asked = list(dict.fromkeys([*ways, *whole, *batch]))
+    timings = time_ways(bench, asked, [case], rounds, COUNT, yardsticks)
+    yards = timings.yardsticks
+    timings = replace(timings, yardsticks={**yards, FLOOR: yards[FLOOR] / MATRICES})
+    many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
+    stand_in = next((t for t in timings.timed if t.way in whole), None)
+    return Cost(case, theory, timings, many, stand_in)
+
+
+def run(request: Request, bench: Bench) -> Cost:
+    """Return what every model costs at the first case, all timed in one run on one thread."""
+    options = request.options
+    return measure(
+        request.cases[0], request.theory, request.references, request.steps, options["batches"],
+        options["repeats"], bench,
+    )  # fmt: skip
+
+
+def jobs(plan: Plan) -> dict[str, Request]:
+    """Return what the main job asks: beams and analytic models, at the last case."""
+    beams = tuple(model for model in plan.references if not model.info().slow)
+    options = {"repeats": 3, "batches": (1, 10, 100, 1000, 10_000)}
+    steps = (1, 2, 4, 8, 16, 32, 64)
+    return {"cost": plan.request(cases=plan.cases[-1:], references=beams, elements=steps,
+                                 options=options)}  # fmt: skip
+
+
+def _loops() -> list[bool]:
+    """Return which loops of the condensed model can run here: plain, and compiled."""
+    from analytic.kernel import compiled
+
+    return [False, True] if compiled() else [False]
+
+
+def _whole(t: Timed) -> float:
+    return t.median
+
+
+def _solve(t: Timed) -> float:
+    return t.solve or 0.0
+
+
+def _ms(seconds: float | None) -> Cell:
+    return "-" if seconds is None else Number(1e3 * seconds, 3)
+
+
+def _quartiles(values: Array, digits: int = 3) -> tuple[Number, ...]:
+    return tuple(Number(float(v), digits) for v in np.percentile(values, [25, 75]))
+
+
+def _range(sizes: Sequence[int]) -> str:
+    return f"{sizes[0]}-{sizes[-1]}"
+
+
+def _named(t: Timed) -> str:
+    return f"{t.way.method}, s={t.way.size}"
+
+
+def _seconds(claim: str, said: float | None, t: Timed) -> tuple[Cell, ...]:
+    printed: Cell = "-" if said is None else Number(said, 2)
+    return (claim, "s", printed, Number(t.median, 4), _named(t))
+
+
+def _saved(said: float | None, own: Timed, rival: Timed) -> tuple[Cell, ...]:
+    printed: Cell = "-" if said is None else Number(said, 2)
+    rounds = min(len(own.seconds), len(rival.seconds))
+    saved = 100 * np.median(1 - own.seconds[:rounds] / rival.seconds[:rounds])
+    return (f"cost saved against {_named(rival)}", "%", printed, Number(float(saved), 2), _named(own))
+
+
+def cost_figure(cost: Cost) -> "Figure":
+    """Return (a) one pose against elements and (b) a pose against batch size, both log-log.
+
+    Lines join medians; simulators are dashed and hollow.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(11.5, 5.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    single = [t for t in cost.elements if isinstance(t.way.model.elements, int)]
+    for k, method in enumerate(dict.fromkeys(t.way.method for t in single)):
+        own = [t for t in single if t.way.method == method]
+        _curve(left, cost, own, [int(t.way.size) for t in own], YARDSTICK, k, method)
+    for t, dots in zip(
+        [t for t in cost.elements if t.way.size == "exact"], (":", "-.", "--"), strict=False
+    ):
+        level = float(np.median(cost.ratios(t, YARDSTICK)))
+        left.axhline(level, color="0.3", ls=dots, lw=1.2, label=f"{t.way.method}, exact")
+    left.set(xscale="log", xlabel="number of elements $s$", ylabel="time of one pose / yardstick")
+    left.set_title(f"(a) yardstick: {YARDSTICK}", fontsize=9)
+    series = dict.fromkeys((t.way.method.partition(", ")[0], t.way.model) for t in cost.batches)
+    for k, (_, model) in enumerate(series):
+        own = [t for t in cost.batches if t.way.model == model]
+        name = getattr(model, "label", "")
+        _curve(right, cost, own, [max(1, t.way.poses) for t in own], FLOOR, k, name)
+    right.set(xscale="log", xlabel="poses a call", ylabel="time a pose / one 6x6 eigh")
+    right.set_title(f"(b) yardstick: {FLOOR}", fontsize=9)
+    for axes in (left, right):
+        axes.set_yscale("log")
+        axes.grid(alpha=0.25)
+        # Below the axes: inside there is no corner that every run leaves free.
+        below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13)}
+        axes.legend(fontsize=7, ncols=2, frameon=False, **below)
+    return figure
+
+
+def _curve(
+    axes: "Axes", cost: Cost, own: Sequence[Timed], sizes: Sequence[int], yardstick: str, k: int,
+    name: str,
+) -> None:  # fmt: skip
+    simulated = own[0].way.model.info().isolated
+    style: dict[str, Any] = {"ls": "--", "mfc": "none"} if simulated else {"ls": "-"}
+    middle = [float(np.median(cost.ratios(t, yardstick))) for t in own]
+    colour, marker = COLOURS[k % len(COLOURS)], MANY_MARKERS[k % len(MANY_MARKERS)]
+    axes.plot(sizes, middle, color=colour, marker=marker, ms=5, lw=1.2, label=name, **style)

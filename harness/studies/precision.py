@@ -1,0 +1,403 @@
+"""Time against error: what an element costs and what it buys, for every model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import InputError, Modes
+from analytic.errors import count as whole
+from analytic.model import Model
+from analytic.pairing import pair
+from harness.bench import SPARE, Bench, Study, label
+from harness.cases import Case
+from harness.causes import THEORIES
+from harness.compare import failure_notes, percent, relative_error
+from harness.figures import COLOURS
+from harness.plan import Plan
+from harness.presets import PAPER_ELEMENTS, solid_truth
+from harness.request import Option, Request
+from harness.result import Result
+from harness.rows import mode_rows, settings
+from harness.tables import Cell, Number, Table
+from harness.timing import Timed, Timings, Way, time_ways
+from reference_models import Named
+from reference_models.richardson import Richardson
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+COUNT = 6
+GROUPS = {"f1-f3": 3, "f1-f6": 6}
+"""The modes that an error is the worst of."""
+OWN, SOLID = "own theory", "solids"
+"""The kinds of error: against the limit of the model's own theory, and against solids."""
+TARGETS = (1.0, 0.1, 0.01)
+"""Errors [%] that a user may be content with."""
+STEPS = (1, 2, 3, 4, 8, 16, 32)
+"""Elements of beams."""
+BATCH = 100
+"""Poses a call of models that take many at once."""
+SOLVERS = ("null-space", "saddle-point")
+LEAST = 1e-9
+"""Errors are drawn no smaller than this [%]: below it is rounding."""
+DEFAULTS = {"references": "all"}
+OPTIONS = (
+    Option("rounds", "N", "How often everything is timed; default 3.", "3",
+           lambda text: whole_number("rounds", text, 1000)),
+)  # fmt: skip
+EXTRA = 2 * SPARE
+"""Modes solved for beyond COUNT, as extrapolation needs them."""
+
+
+def whole_number(argument: str, text: str, most: int) -> int:
+    """Return `text` as a whole number from 1 to `most`, or raise `InputError`."""
+    if not (text.isascii() and text.isdecimal()) or not 1 <= int(text[:12]) <= most:
+        raise InputError(argument, text, f"a whole number from 1 to {most}")
+    return whole(argument, int(text))
+
+
+@dataclass(frozen=True)
+class Point:
+    """One way to solve a pose, with what it costs and how far off it is.
+
+    Attributes: `method` and `size` in words; `model`; `seconds` a pose; `dofs`; `poses` a call, 0
+    for one pose with its modes; `own`, `solid`: errors against the limit of its own theory and
+    against solids, (cases, COUNT) [%], None where there is no such truth.
+    """
+
+    method: str
+    size: str
+    model: Model
+    seconds: float
+    dofs: int | None
+    poses: int
+    own: Array | None
+    solid: Array | None
+
+    def worst(self, kind: str, modes: int) -> float:
+        """Return the largest error of the lowest `modes` at any case [%]; NaN without a truth."""
+        errors = self.own if kind == OWN else self.solid
+        return float("nan") if errors is None else float(np.abs(errors[:, :modes]).max())
+
+    @property
+    def name(self) -> str:
+        """The way in words, with its time."""
+        ms = 1e3 * self.seconds
+        return f"{self.method}@{self.size}: {f'{ms:.3g} ms' if ms < 1000 else f'{ms / 1000:.3g} s'}"
+
+
+@dataclass(frozen=True)
+class WorkPrecision(Result):
+    """All points of one run: `study` of the truths, `timings` of the ways, `truth` of solids."""
+
+    cases: tuple[Case, ...]
+    points: tuple[Point, ...]
+    study: Study
+    timings: Timings
+    truth: Named | None
+
+    @property
+    def studies(self) -> tuple[Study, ...]:
+        """What was solved for it."""
+        return (self.study,)
+
+    @property
+    def kinds(self) -> dict[str, str]:
+        """The kinds of error, and what each is taken against in words."""
+        found = {OWN: "the exact limit of its own theory"}
+        return found if self.truth is None else found | {SOLID: self.truth.label}
+
+    def known_to(self, kind: str, modes: int) -> float:
+        """Return the truth's own uncertainty of the lowest `modes` at any case [%]."""
+        if kind == OWN or self.truth is None:
+            return 0.0
+        found = [m for c in self.cases if (m := self.study.first(c, self.truth)) is not None]
+        return max(
+            (100 * float((m.uncertainty / m.frequencies)[:modes].max())
+             for m in found if m.uncertainty is not None), default=0.0,
+        )  # fmt: skip
+
+    def front(self, kind: str, modes: int, many: bool | None = None) -> list[Point]:
+        """Return the points that nothing beats in both time and error, by ascending time.
+
+        `many`: only ways of many poses a call, or only of one; None: all.
+        """
+        known = [
+            p for p in self.points
+            if np.isfinite(p.worst(kind, modes)) and (many is None or (p.poses > 1) == many)
+        ]  # fmt: skip
+        found: list[Point] = []
+        for point in sorted(known, key=lambda p: (p.seconds, p.worst(kind, modes))):
+            if not found or point.worst(kind, modes) < found[-1].worst(kind, modes):
+                found.append(point)
+        return found
+
+    def cheapest(self, kind: str, modes: int, target: float, many: bool) -> Point | None:
+        """Return the fastest way that is surely within `target` [%], or None."""
+        unsure = self.known_to(kind, modes)
+        good = [
+            p for p in self.points
+            if (p.poses > 1) == many and p.worst(kind, modes) + unsure <= target
+        ]  # fmt: skip
+        return min(good, key=lambda p: p.seconds, default=None)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return one row a way: seconds, coordinates and its largest errors."""
+        import pandas as pd
+
+        return pd.DataFrame([
+            {
+                "method": p.method, "elements": p.size, "poses_a_call": max(1, p.poses),
+                "seconds_a_pose": p.seconds, "dofs": p.dofs,
+                **{
+                    f"{group}_{kind.replace(' ', '_')}_percent": p.worst(kind, modes)
+                    for kind in self.kinds for group, modes in GROUPS.items()
+                },
+            }
+            for p in self.points
+        ])  # fmt: skip
+
+    def tables(self) -> dict[str, Table]:
+        """Return the cheapest ways to a precision, and the front."""
+        return {"": self._cheapest_table(), "-front": self._front_table()}
+
+    def _cheapest_table(self) -> Table:
+        rows: list[tuple[Cell, ...]] = []
+        for kind, against in self.kinds.items():
+            for group, modes in GROUPS.items():
+                for target in TARGETS:
+                    best = [self.cheapest(kind, modes, target, many) for many in (False, True)]
+                    said = ["none" if one is None else one.name for one in best]
+                    rows.append((against, group, Number(target, 2), *said))
+        columns = ("Against", "Modes", "Target [%]", "One pose", f"{BATCH} poses a call")
+        notes = [
+            "the fastest way whose error, with the truth's own uncertainty, stays below the target",
+            f"time of a pose, matrices included; {self.timings.rounds} rounds, one BLAS thread",
+            *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
+            *failure_notes(self.study),
+        ]
+        return Table("The cheapest way to a precision", columns, tuple(rows), tuple(notes))
+
+    def _front_table(self) -> Table:
+        rows = [
+            (against, group, point.method, point.size, Number(1e3 * point.seconds, 4),
+             Number(point.worst(kind, modes), 6))
+            for kind, against in self.kinds.items()
+            for group, modes in GROUPS.items()
+            for point in self.front(kind, modes)
+        ]  # fmt: skip
+        columns = ("Against", "Modes", "Way", "Elements", "ms a pose", "Largest error [%]")
+        return Table("What nothing beats in time and error", columns, tuple(rows))
+
+    def figures(self) -> dict[str, "Figure"]:
+        """Return the front: error against time, what is beaten faint behind it."""
+        return {"": precision_figure(self)}
+
+    def sentences(self) -> list[str]:
+        """Return the cheapest way to 0.1 % of one pose, for each truth and all modes."""
+        lines = []
+        for kind, against in self.kinds.items():
+            best = self.cheapest(kind, 6, 0.1, many=False)
+            if best is not None:
+                lines.append(f"The cheapest way to 0.1 % of {against} on f1-f6: {best.name} a pose.")
+        return lines
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the truths' rows and one a timed way and mode; `solve_s` is its whole time."""
+        found = self.study.rows()
+        for one in self.timings.timed:
+            found += timed_rows(one, self.cases, "work-precision")
+        return found
+
+    def failures(self) -> dict[str, str]:
+        """Return what has no answer, and why."""
+        return super().failures() | self.timings.failures
+
+
+def timed_rows(one: Timed, cases: Sequence[Case], timed: str) -> list[dict[str, Any]]:
+    """Return the rows of one timed way for the history: `build_s` is 0, `solve_s` all of it."""
+    rows = []
+    how: dict[str, Any] = {"way": one.way.method, "timed": timed}
+    if one.way.poses:
+        how["poses"] = one.way.poses
+    for place, case in enumerate(cases):
+        answer = one.answers[place]
+        if not isinstance(answer, Modes):
+            continue
+        count = min(COUNT, len(answer.frequencies))
+        chosen = settings(one.way.model, len(answer.frequencies), **how)
+        rows += [
+            row | {"build_s": 0.0, "solve_s": one.median}
+            for row in mode_rows(case, label(one.way.model), chosen, answer, count)
+        ]
+    return rows
+
+
+def every_way(theory: Named, references: Sequence[Named], steps: Sequence[int]) -> list[Way]:
+    """Return all ways: the paper's model and its rivals, exact limbs, condensed, simulators."""
+    ways: list[Way] = []
+    shear = tuple(pair for pair in theory.settings if pair[0] == "shear")
+    for name in THEORIES:
+        own = shear if name == THEORIES[-1] else ()
+        ways += [Way(Named(name, s, own)) for s in (*steps, None)]
+        one = tuple(sorted((("beam", name), *own)))
+        ways += [Way(Named("condensed", s, one), 1) for s in (*steps, None)]
+        ways += [Way(Named("condensed", s, one), BATCH) for s in (PAPER_ELEMENTS, None)]
+    for solver in SOLVERS:
+        ways += [Way(Named("multipliers", s, (("solver", solver),))) for s in steps]
+    for reference in references:
+        info = reference.info()
+        meshes = steps if info.limit else info.ladder
+        ways += [Way(replace(reference, elements=n)) for n in meshes]
+        if not info.isolated:
+            ways.append(Way(reference, BATCH))
+    return list(dict.fromkeys(ways))
+
+
+def work_precision(
+    cases: Sequence[Case],
+    ways: Sequence[Way],
+    truth: Named | None,
+    rounds: int,
+    bench: Bench,
+) -> WorkPrecision:
+    """Time every way at `cases` and set its errors beside it; `truth`: what stands for solids."""
+    limits = [limit for way in ways if (limit := way.model.limit()) is not None]
+    study = bench.run(cases, [*limits, *([] if truth is None else [truth])], COUNT)
+    cases = study.complete(*study.models) or study.cases
+    timings = time_ways(bench, ways, cases, rounds, COUNT + EXTRA)
+    points = [_point(one, cases, study, truth, bench) for one in timings.timed]
+    points += [_point(one, cases, study, truth, bench) for one in _extrapolated(timings, cases)]
+    place = {method: k for k, method in enumerate(dict.fromkeys(w.method for w in ways))}
+    points.sort(key=lambda point: place[point.method])
+    return WorkPrecision(tuple(cases), tuple(points), study, timings, truth)
+
+
+def run(request: Request, bench: Bench) -> WorkPrecision:
+    """Return time against error of every way at the cases."""
+    ways = every_way(request.theory, request.references, request.elements or STEPS)
+    return work_precision(
+        request.cases, ways, solid_truth(), request.options["rounds"], bench
+    )
+
+
+def jobs(plan: Plan) -> dict[str, Request]:
+    """Return what the main job asks."""
+    return {"work-precision": plan.request()}
+
+
+@dataclass(frozen=True)
+class _Mesh:
+    """A mesh that has been solved, as `Richardson` asks for it."""
+
+    elements: int
+    answer: Modes
+
+    def modes(self, mechanism: Any, pose: Any, count: int = 6) -> Modes:
+        return self.answer.first(count)
+
+
+def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
+    """Return neighbouring meshes of each simulator, extrapolated: their times add up."""
+    found = []
+    for coarse, fine in pairwise(timings.timed):
+        a, b = coarse.way.model.elements, fine.way.model.elements
+        info = fine.way.model.info()
+        same = coarse.way.method == fine.way.method and info.refinements is not None
+        if not (same and isinstance(a, int) and isinstance(b, int)):
+            continue
+        answers = tuple(
+            Richardson(_Mesh(a, x), _Mesh(b, y), info.order).modes(c.mechanism, c.pose, COUNT)  # type: ignore[arg-type]
+            for c, x, y in zip(cases, coarse.answers, fine.answers, strict=True)
+        )
+        rounds = min(len(coarse.seconds), len(fine.seconds))
+        seconds = coarse.seconds[:rounds] + fine.seconds[:rounds]
+        model = replace(fine.way.model, elements=(a, b))  # type: ignore[type-var]
+        found.append(Timed(Way(model), seconds, None, None, answers))
+    return found
+
+
+def _point(
+    one: Timed, cases: Sequence[Case], study: Study, truth: Named | None, bench: Bench
+) -> Point:
+    limit = one.way.model.limit()
+    own = None if limit is None else _errors(one, cases, study, limit, bench)
+    solid = None if truth is None else _errors(one, cases, study, truth, bench)
+    way = one.way
+    return Point(way.method, way.size, way.model, one.median, one.dofs, way.poses, own, solid)
+
+
+def _errors(
+    one: Timed, cases: Sequence[Case], study: Study, truth: Model, bench: Bench
+) -> Array | None:
+    """Return 100 (f / f_truth - 1) [%] for each mode of the truth, partners found by shape."""
+    rows = []
+    for place, case in enumerate(cases):
+        exact, shaped = study.first(case, truth), one.answers[place]
+        if exact is None:
+            return None
+        if not isinstance(shaped, Modes):
+            # Frequencies alone have the shapes of the same model, asked for its modes.
+            solved = bench.solve(one.way.model, case.mechanism, case.pose, COUNT + SPARE)
+            if not isinstance(solved, Modes):
+                return None
+            shaped = solved
+        partner = pair(exact, shaped, case.mechanism, case.pose).partner
+        rows.append(relative_error(one.frequencies(place)[partner], exact.frequencies))
+    return np.array(rows)
+
+
+def precision_figure(result: WorkPrecision) -> "Figure":
+    """Return error against time, log-log: a column a group of modes, a row a truth.
+
+    The front is drawn in colour and its ways are named; what it beats is faint.
+    """
+    from matplotlib.figure import Figure
+
+    kinds = result.kinds
+    figure = Figure(figsize=(12, 4.6 * len(kinds)), layout="constrained")
+    panels = figure.subplots(len(kinds), len(GROUPS), squeeze=False)
+    for strip, (kind, against) in zip(panels, kinds.items(), strict=True):
+        for axes, (group, modes) in zip(strip, GROUPS.items(), strict=True):
+            _panel(axes, result, kind, modes)
+            axes.set_title(f"{group}, against {against}", fontsize=10)
+            axes.set_xlabel("time of a pose [ms]")
+        strip[0].set_ylabel("largest error [%]")
+    figure.suptitle(
+        "Ways that nothing beats, for one pose (blue) and many poses a call (orange); "
+        "grey: all others", fontsize=10,
+    )  # fmt: skip
+    return figure
+
+
+def _panel(axes: "Axes", result: WorkPrecision, kind: str, modes: int) -> None:
+    known = [p for p in result.points if np.isfinite(p.worst(kind, modes))]
+    axes.plot(
+        [1e3 * p.seconds for p in known], [max(LEAST, p.worst(kind, modes)) for p in known],
+        "o", color="0.8", ms=4, zorder=1,
+    )  # fmt: skip
+    for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
+        front = result.front(kind, modes, many)
+        times = [1e3 * p.seconds for p in front]
+        errors = [max(LEAST, p.worst(kind, modes)) for p in front]
+        axes.plot(times, errors, "o-", color=colour, ms=6, lw=1.4, drawstyle="steps-post", zorder=2)
+        for k, point in enumerate(front):
+            axes.annotate(
+                f"{point.method.partition(', frequencies')[0]}@{point.size}",
+                (times[k], errors[k]), xytext=(6, 5 if k % 2 else -9),
+                textcoords="offset points", fontsize=7, color=colour,
+            )  # fmt: skip
+    unsure = result.known_to(kind, modes)
+    if unsure:
+        axes.axhspan(LEAST / 2, unsure, color="0.92", zorder=0)
+        axes.text(0.99, 0.01, f"grey band: the truth is known to {percent(unsure)}", fontsize=7,
+                  ha="right", va="bottom", transform=axes.transAxes)  # fmt: skip
+    axes.set(xscale="log", yscale="log")
+    axes.grid(alpha=0.25)
