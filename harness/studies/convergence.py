@@ -114,8 +114,8 @@ class Convergence(Result):
             return []
         coarse, fine = self.elements[-2:]
         return [
-            f"From {coarse} to {fine} elements the discretisation error of {self.theory.name} falls "
-            f"with order {np.nanmin(last):.2f} to {np.nanmax(last):.2f}; in theory "
+            f"From {coarse} to {fine} elements the discretisation error of {self.theory.name} "
+            f"falls with order {np.nanmin(last):.2f} to {np.nanmax(last):.2f}; in theory "
             f"{self.theory.info().order:g}."
         ]
 

@@ -88,7 +88,9 @@ class Cost(Result):
 
     def at(self, method: str, size: int | None = PAPER_ELEMENTS) -> Timed | None:
         """Return what one method took with `size` elements, or None."""
-        found = (t for t in self.elements if t.way.method == method and t.way.model.elements == size)
+        found = (
+            t for t in self.elements if t.way.method == method and t.way.model.elements == size
+        )
         return next(found, None)
 
     def growth(self, least: int = 1) -> list[Growth]:
@@ -147,8 +149,8 @@ class Cost(Result):
         yard = float(np.median(self.timings.yardsticks[YARDSTICK]))
         notes = (
             f"ratio: to {YARDSTICK}, {1e3 * yard:.3f} ms here",
-            "build: the matrices; solve: the eigen-solution; rest: shapes, and what the interpreter "
-            "adds",
+            "build: the matrices; solve: the eigen-solution; rest: shapes, and what the "
+            "interpreter adds",
             *self._circumstances(),
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
         )
@@ -164,7 +166,16 @@ class Cost(Result):
                 end = (_range(tail.sizes), Number(tail.exponent, 2), Number(tail.error, 2))
             own = (Number(g.exponent, 2), Number(g.error, 2))
             rows.append((g.method, g.what, _range(g.sizes), *own, *end))
-        columns = ("Model", "Of", "s", "exponent", "std. error", "large s", "exponent", "std. error")
+        columns = (
+            "Model",
+            "Of",
+            "s",
+            "exponent",
+            "std. error",
+            "large s",
+            "exponent",
+            "std. error",
+        )
         notes = ("median seconds ~ s^exponent, least squares on logarithms; three sizes at least",)
         title = "Growth of cost with the number of elements"
         return Table(title, columns, tuple(rows), notes)
@@ -220,7 +231,7 @@ class Cost(Result):
         return {"": cost_figure(self)}
 
     def sentences(self) -> list[str]:
-        """Return what a pose costs in large batches, and what multipliers cost beside the paper's."""
+        """Return what a pose costs in large batches, and what multipliers cost beside it."""
         lines = []
         size = max((t.way.poses for t in self.batches), default=0)
         exact = [t for t in self.batches if t.way.poses == size and t.way.size == "exact"]
@@ -236,8 +247,8 @@ class Cost(Result):
                 rival = self.at(f"multipliers, solver {solver}")
                 if rival is not None:
                     lines.append(
-                        f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) takes "
-                        f"{rival.median / own.median:.2f} times as long as the paper's, its "
+                        f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) "
+                        f"takes {rival.median / own.median:.2f} times as long as the paper's, its "
                         f"eigen-solution {_solve(rival) / _solve(own):.2f} times."
                     )
         return lines
@@ -260,9 +271,9 @@ def measure(
     rounds: int,
     bench: Bench,
 ) -> Cost:
-    """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always among `elements`."""
+    """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always one of them."""
     steps = sorted({*elements, PAPER_ELEMENTS})
-    kinds = [theory.settings + (("solver", solver),) for solver in ("dense", "sparse")]
+    kinds = [(*theory.settings, ("solver", solver)) for solver in ("dense", "sparse")]
     ways = [Way(replace(theory, elements=s)) for s in steps]
     ways += [Way(replace(theory, elements=s, settings=kind)) for kind in kinds for s in steps]
     ways += [
@@ -355,7 +366,13 @@ def _saved(said: float | None, own: Timed, rival: Timed) -> tuple[Cell, ...]:
     printed: Cell = "-" if said is None else Number(said, 2)
     rounds = min(len(own.seconds), len(rival.seconds))
     saved = 100 * np.median(1 - own.seconds[:rounds] / rival.seconds[:rounds])
-    return (f"cost saved against {_named(rival)}", "%", printed, Number(float(saved), 2), _named(own))
+    return (
+        f"cost saved against {_named(rival)}",
+        "%",
+        printed,
+        Number(float(saved), 2),
+        _named(own),
+    )
 
 
 def cost_figure(cost: Cost) -> "Figure":

@@ -206,7 +206,9 @@ class WorkPrecision(Result):
         for kind, against in self.kinds.items():
             best = self.cheapest(kind, 6, 0.1, many=False)
             if best is not None:
-                lines.append(f"The cheapest way to 0.1 % of {against} on f1-f6: {best.name} a pose.")
+                lines.append(
+                    f"The cheapest way to 0.1 % of {against} on f1-f6: {best.name} a pose."
+                )
         return lines
 
     def rows(self) -> list[dict[str, Any]]:
@@ -283,9 +285,7 @@ def work_precision(
 def run(request: Request, bench: Bench) -> WorkPrecision:
     """Return time against error of every way at the cases."""
     ways = every_way(request.theory, request.references, request.elements or STEPS)
-    return work_precision(
-        request.cases, ways, solid_truth(), request.options["rounds"], bench
-    )
+    return work_precision(request.cases, ways, solid_truth(), request.options["rounds"], bench)
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

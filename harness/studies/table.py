@@ -242,8 +242,8 @@ def _against_print(study: Study, theory: Model, printed: Sequence[Case]) -> list
     agreeing = int((np.abs(off) <= AGREES).sum())
     wrong = [mode for case in printed for mode in _not_following(case)]
     return [
-        f"{agreeing} of the {len(off)} printed theoretical values agree with {label(theory)} at the "
-        f"parameters read from the paper to {AGREES} %; ours lie {span(off, signed=True)} from "
+        f"{agreeing} of the {len(off)} printed theoretical values agree with {label(theory)} at "
+        f"the parameters read from the paper to {AGREES} %; ours lie {span(off, signed=True)} from "
         "them.",
         f"{len(wrong)} of the {6 * len(printed)} errors that Table I prints do not follow from the "
         f"digits of the two rows above them: {', '.join(wrong) or 'none'}.",
@@ -280,15 +280,14 @@ def _causes(study: Study, theory: Model) -> list[str]:
     lines = []
     own = _errors(study, theory, limit)
     if theory != limit and own.size:
-        lines.append(
-            f"The number of elements ({label(theory)}) costs {at_most(float(np.nanmax(np.abs(own))))}."
-        )
+        worst = at_most(float(np.nanmax(np.abs(own))))
+        lines.append(f"The number of elements ({label(theory)}) costs {worst}.")
     for richer in exact_chain(theory)[-1:]:
         beam = _errors(study, limit, richer)
         if beam.size and richer != limit:
             lines.append(
-                f"Beam theory ({label(limit)} against {label(richer)}, both without elements) costs "
-                f"{span(beam[:, :3])} on f1-f3 and {span(beam[:, 3:6])} on f4-f6, and no number of "
+                f"Beam theory ({label(limit)} against {label(richer)}, both without elements) "
+                f"costs {span(beam[:, :3])} on f1-f3 and {span(beam[:, 3:6])} on f4-f6, and no number of "
                 "elements removes that."
             )
     return lines
