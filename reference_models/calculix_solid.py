@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from analytic.errors import InputError, number
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.calculix_deck import Deck, write
 from reference_models.calculix_run import MISSING, NAME, Answer, program, run, version
 from reference_models.exudyn_system import Axis
-from reference_models.protocol import Info, ModelError, UnavailableError, check_closure
+from reference_models.protocol import ModelError, UnavailableError, check_closure
 from reference_models.rod_mesh import RodMesh
 
 Array = NDArray[np.float64]
@@ -62,7 +63,19 @@ class CalculixSolid:
             installed, missing = version(program()), ""
         except UnavailableError:
             installed, missing = "", MISSING
-        return Info(THEORY, "CalculiX", installed, ORDER, (8, 12), remark, missing)
+        return Info(
+            THEORY,
+            "CalculiX",
+            installed,
+            ORDER,
+            (8, 12),
+            (4, 6, 8),
+            relaxed="ngsolve-averaged",
+            assumption="rigid end faces",
+            remark=remark,
+            missing=missing,
+            slow=True,
+        )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose.

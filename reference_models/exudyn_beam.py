@@ -8,6 +8,7 @@ import numpy as np
 
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from analytic.theory import Theory
@@ -19,7 +20,6 @@ from reference_models.exudyn_system import (
     describe,
     run,
 )
-from reference_models.protocol import Info
 
 NAME = "exudyn-beam"
 
@@ -43,7 +43,7 @@ class ExudynBeam:
     def info(cls) -> Info:
         """Return what the model is; never raises."""
         remark = "second order: extrapolate, or compare with far more elements than elsewhere"
-        return describe("Timoshenko", 2, (12, 24), remark)
+        return describe("Timoshenko", 2, (12, 24), remark, ladder=(6, 12, 24), limit="timoshenko")
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""

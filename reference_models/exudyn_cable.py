@@ -1,6 +1,6 @@
 """Exudyn's absolute nodal coordinate cable as the limbs of the mechanism."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.exudyn_system import (
@@ -18,7 +19,6 @@ from reference_models.exudyn_system import (
     describe,
     run,
 )
-from reference_models.protocol import Info
 
 NAME = "exudyn-cable"
 THEORY = "Euler-Bernoulli"
@@ -41,7 +41,7 @@ class ExudynCable:
     def info(cls) -> Info:
         """Return what the model is; never raises."""
         remark = "the element has no torsion: the limbs' torsion modes are absent"
-        return replace(describe(THEORY, 4, (8, 16), remark), torsion=False)
+        return describe(THEORY, 4, (8, 16), remark, limit="euler-bernoulli", torsion=False)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""

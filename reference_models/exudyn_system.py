@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError
 from analytic.mechanism import Mechanism, Platform, Rod
+from analytic.model import Info
 from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose, position
 from reference_models.projection import constrained_modes
-from reference_models.protocol import Info, ModelError, UnavailableError, check_closure
+from reference_models.protocol import ModelError, UnavailableError, check_closure
 
 Array = NDArray[np.float64]
 
@@ -60,13 +61,20 @@ AddRod = Callable[[Any, Any, Axis], Line]
 """Adds one rod and its revolute joint to (exudyn, system), and says what it added."""
 
 
-def describe(theory: str, order: float, refinements: tuple[int, int], remark: str) -> Info:
-    """Return what is known of a model on Exudyn; it is there only if it can be imported."""
+def describe(
+    theory: str, order: float, refinements: tuple[int, int], remark: str, **more: Any
+) -> Info:
+    """Return what is known of a model on Exudyn; `more`: other fields of `Info`.
+
+    It is there only if Exudyn can be imported.
+    """
     try:
         version, missing = str(load().__version__), ""
     except UnavailableError as error:
         version, missing = "", str(error)
-    return Info(theory, "Exudyn", version, order, refinements, remark, missing)
+    return Info(
+        theory, "Exudyn", version, order, refinements, remark=remark, missing=missing, **more
+    )
 
 
 def load() -> Any:

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models import mujoco_composite, mujoco_flex, mujoco_system
 from reference_models.mujoco_rig import Limb, Rods
-from reference_models.protocol import Info
 
 NAME = "mujoco-cable"
 
@@ -45,6 +45,7 @@ class MujocoCable:
             remark=rods.REMARK,
             missing=mujoco_system.missing(),
             torsion=rods.TORSION,
+            limit=rods.LIMIT,
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
+from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from analytic.theory import BEAMS
 from reference_models import mujoco_system
 from reference_models.mujoco_rig import STILL, Limb, Rods, inertial, text
-from reference_models.protocol import Info
 
 NAME = "mujoco-chain"
 SHEARLESS = ("euler-bernoulli", "rayleigh")
@@ -53,6 +53,8 @@ class MujocoChain:
             mujoco_system.installed(),
             2,
             (12, 24),
+            (6, 12, 24),
+            limit=cls.beam,
             remark='rigid segments and springs; Rayleigh with beam="rayleigh"',
             missing=mujoco_system.missing(),
         )

@@ -9,6 +9,7 @@ from typing import Any
 from reference_models.mujoco_rig import Limb, Rods, text
 
 THEORY = "inextensible Rayleigh"
+LIMIT = ""
 ORDER = 1
 TORSION = True
 REFINEMENTS = (16, 32)  # first order: eight segments are far from the limit

@@ -10,6 +10,7 @@ import numpy as np
 from reference_models.mujoco_rig import Limb, Rods, inertial, text
 
 THEORY = "Euler-Bernoulli"
+LIMIT = "euler-bernoulli"
 ORDER = 2
 TORSION = False
 REFINEMENTS = (8, 16)

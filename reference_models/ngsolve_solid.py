@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.mechanism import Limb, Mechanism
+from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, position
 from reference_models.ngsolve_mesh import LARGEST_ORDER, load, solid_rod
-from reference_models.protocol import Info, ModelError, UnavailableError, check_closure
+from reference_models.protocol import ModelError, UnavailableError, check_closure
 from reference_models.solid_faces import FACES, Held, check_faces, hold
 from reference_models.solid_reduction import PARTS, Statics, statics
 from reference_models.solid_rod import FAMILIES, SLENDERNESS
@@ -76,7 +77,20 @@ class NgsolveSolid:
         except UnavailableError as error:
             version, missing = "", str(error)
         theory = f"{THEORY}, {FACES[cls.faces]}"
-        return Info(theory, "NGSolve", version, RIM_ORDER, (2, 4), REMARK, missing)
+        rigid = cls.faces == "rigid"
+        return Info(
+            theory,
+            "NGSolve",
+            version,
+            RIM_ORDER,
+            (2, 4),
+            (1, 2, 4),
+            relaxed="ngsolve-averaged" if rigid else "",
+            assumption="rigid end faces" if rigid else "",
+            remark=REMARK,
+            missing=missing,
+            slow=True,
+        )
 
     @property
     def theory(self) -> str:

@@ -1,7 +1,7 @@
 """Two refinements of one model, extrapolated to none."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pairing import pair
 from analytic.pose import Pose
-
-if TYPE_CHECKING:
-    from reference_models.protocol import ReferenceModel
 
 SPARE = 2
 """Modes that may lie beyond those asked for and still belong among them in the limit."""
@@ -26,8 +23,8 @@ class Richardson:
     given as the uncertainty.
     """
 
-    coarse: "ReferenceModel"
-    fine: "ReferenceModel"
+    coarse: Any
+    fine: Any
     order: float
 
     def __post_init__(self) -> None:

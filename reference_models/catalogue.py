@@ -1,0 +1,269 @@
+"""All models by name: analytic ones and simulators, this bench's and anybody's.
+
+A model is behind an entry point of the group `rps_bench.reference_models`: a class, or anything
+that is called with `elements` and settings, with `info()` beside it. Any installed package can add
+one.
+"""
+
+import difflib
+import inspect
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import InputError
+from analytic.mechanism import Mechanism
+from analytic.model import Info
+from analytic.modes import Modes
+from analytic.pose import Pose
+from reference_models.protocol import UnavailableError
+from reference_models.richardson import Richardson
+
+GROUP = "rps_bench.reference_models"
+EXACT = "exact"
+Elements = int | tuple[int, int] | None
+_LABEL = re.compile(r"(?P<name>[^@\[\]]+)(@(?P<elements>[^@\[\]]+))?(\[(?P<settings>[^\[\]]*)\])?")
+
+
+@dataclass(frozen=True)
+class Named:
+    """A model of the catalogue: its name, its elements a limb, and settings unlike its defaults.
+
+    `elements` is a number, two for Richardson extrapolation from both, or None for the exact model.
+    Two that differ in anything are two models. Nothing is looked up before it is asked for.
+    """
+
+    name: str
+    elements: Elements
+    settings: tuple[tuple[str, Any], ...] = ()
+
+    @property
+    def label(self) -> str:
+        """What `parse` reads back: NAME@3, NAME@8+16, NAME@exact, settings in brackets."""
+        match self.elements:
+            case None:
+                number = EXACT
+            case (coarse, fine):
+                number = f"{coarse}+{fine}"
+            case _:
+                number = str(self.elements)
+        own = ",".join(f"{key}={value}" for key, value in self.settings)
+        return f"{self.name}@{number}[{own}]" if own else f"{self.name}@{number}"
+
+    def info(self) -> Info:
+        """Return what the model is, without running it; never raises."""
+        return _info(self, tuple(sys.path))
+
+    def build(self) -> Any:
+        """Return the model behind the name.
+
+        Raises `InputError` for unknown names, settings or elements, and `UnavailableError` where
+        its program is missing.
+        """
+        return _built(self)
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
+        """Return the `count` lowest modes at one pose; raises whatever the model raises."""
+        found: Modes = self.build().modes(mechanism, pose, count)
+        return found
+
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> NDArray[np.float64]:
+        """Return the `count` lowest frequencies at every pose, (len(poses), count) [Hz]."""
+        model = self.build()
+        if hasattr(model, "frequencies"):
+            return np.asarray(model.frequencies(mechanism, poses, count))
+        return np.array([model.modes(mechanism, pose, count).frequencies for pose in poses])
+
+    def limit(self) -> "Named | None":
+        """Return the exact model of the theory that this one declares, or None."""
+        name = self.info().limit
+        if not name:
+            return None
+        shear = [pair for pair in self.settings if pair[0] == "shear"]
+        return Named(name, None, tuple(shear) if "shear" in accepted(name) else ())
+
+
+def names() -> list[str]:
+    """Return the names of all models, available or not."""
+    return sorted(_points(tuple(sys.path)))
+
+
+def catalogue() -> Iterator[tuple[str, Info]]:
+    """Yield every model's name and what is known of it."""
+    for name in names():
+        yield name, Named(name, None).info()
+
+
+def reference(name: str, elements: Any = ..., **settings: Any) -> Named:
+    """Return the model `name`.
+
+    `elements` is a number a limb, two numbers for Richardson extrapolation from both, None for the
+    exact model, or left out for the model's own default. Raises `InputError` for an unknown name,
+    setting or number of elements, and `UnavailableError` where its program is missing.
+    """
+    thing = find(name, "reference")
+    if elements is ...:
+        elements = inspect.signature(thing).parameters["elements"].default
+    model = Named(name, elements, tuple(sorted(settings.items())))
+    model.build()
+    return model
+
+
+def parse(text: str, argument: str, **settings: Any) -> Named:
+    """Return the model that `text` names: NAME, NAME@3, NAME@8+16 or NAME@exact, each also with
+    [SETTING=VALUE,...] behind it. This reads back every label.
+
+    A bare name means three elements for a theory (the paper's number), and a simulator's own two
+    refinements, extrapolated. `settings` are given to a model that has them. Raises `InputError`
+    naming the `argument`.
+    """
+    found = _LABEL.fullmatch(text.strip())
+    if found is None:
+        raise InputError(argument, text, "NAME, NAME@ELEMENTS or NAME@exact")
+    name, number, own = found["name"], found["elements"], found["settings"]
+    thing = find(name, argument)
+    info, known = Named(name, None).info(), accepted(name)
+    given = {key: value for key, value in settings.items() if key in known}
+    for item in own.split(",") if own else ():
+        key, _, value = item.partition("=")
+        if key.strip() not in known:
+            expected = f"settings of {name}: {', '.join(sorted(known)) or 'it has none'}"
+            raise InputError(argument, text, expected)
+        given[key.strip()] = _value(value.strip())
+    model = Named(
+        name, _elements(thing, info, number, argument, text), tuple(sorted(given.items()))
+    )
+    if not info.missing:
+        try:
+            model.build()
+        except InputError as error:
+            raise InputError(
+                argument, text, f"elements and settings that {name} has ({error})"
+            ) from None
+    return model
+
+
+def _elements(thing: Any, info: Info, number: str | None, argument: str, text: str) -> Elements:
+    """Return the elements of a label, or raise `InputError`."""
+    single = info.refinements is None
+    if number is None:
+        if info.refinements is not None:
+            return info.refinements
+        default: Elements = inspect.signature(thing).parameters["elements"].default
+        return default
+    if number == EXACT and single:
+        return None
+    sizes = [int(part) if part.isdecimal() and len(part) < 10 else 0 for part in number.split("+")]
+    if len(sizes) == 1 and sizes[0] > 0:
+        return sizes[0]
+    if len(sizes) == 2 and not single and 0 < sizes[0] < sizes[1]:
+        return sizes[0], sizes[1]
+    forms = "NAME@3 or NAME@exact" if single else "NAME@16, or NAME@8+16 to extrapolate"
+    raise InputError(argument, text, f"elements as in {forms}")
+
+
+def _value(text: str) -> int | float | str | bool | None:
+    """Return what a setting's text means."""
+    words = {"True": True, "False": False, "None": None}
+    if text in words:
+        return words[text]
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def find(name: str, argument: str = "model") -> Any:
+    """Return what is behind `name`, or raise `InputError` with the names there are."""
+    points = _points(tuple(sys.path))
+    if name not in points:
+        near = difflib.get_close_matches(name, points, 1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(argument, name, f"one of {', '.join(sorted(points))}{meant}")
+    return points[name].load()
+
+
+@lru_cache(maxsize=4)
+def _points(path: tuple[str, ...]) -> dict[str, EntryPoint]:
+    """Read once for a `sys.path`: milliseconds, hundreds of times a run."""
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def accepted(name: str) -> frozenset[str]:
+    """Return the names of the settings that a model has besides its elements; none if unknown."""
+    try:
+        thing = find(name)
+        own = getattr(thing, "settings", None)
+        known = own if own is not None else inspect.signature(thing).parameters
+    except Exception:  # a plug-in that cannot be imported has none
+        return frozenset()
+    return frozenset(known) - {"elements"}
+
+
+@lru_cache(maxsize=256)
+def _info(named: Named, path: tuple[str, ...]) -> Info:
+    try:
+        thing = find(named.name)
+    except InputError:
+        raise
+    except BaseException as error:
+        return _unusable(f"it cannot be imported ({type(error).__name__}: {error})")
+    try:
+        if "elements" not in inspect.signature(thing).parameters:
+            return _unusable("it takes no elements")
+        info = thing.info()
+    except BaseException as error:
+        return _unusable(f"its info() raises {type(error).__name__}: {error}")
+    if not isinstance(info, Info):
+        return _unusable(f"its info() gives {type(info).__name__}, not Info")
+    if named.settings and not info.missing:
+        try:
+            info = _one(named, _coarser(named)).info()
+        except Exception:  # settings that it does not have: said when it is built
+            return info
+    beam = dict(named.settings).get("beam")  # a simulator's info is of its class, not of this one
+    if beam and info.limit and beam != info.limit:
+        return replace(info, limit=beam, theory=Named(beam, None).info().theory)
+    return info
+
+
+def _coarser(named: Named) -> Elements:
+    """Return the elements of one mesh of a model: the coarser of two."""
+    return named.elements[0] if isinstance(named.elements, tuple) else named.elements
+
+
+def _unusable(why: str) -> Info:
+    return Info("unknown", "", "", 0, missing=why)
+
+
+@lru_cache(maxsize=256)
+def _built(named: Named) -> Any:
+    info = named.info()
+    if info.missing:
+        raise UnavailableError(f"model {named.name!r} cannot run here: {info.missing}")
+    if isinstance(named.elements, tuple):
+        if info.refinements is None:
+            raise InputError("elements", named.elements, "one number for this model")
+        coarse, fine = (_one(named, n) for n in named.elements)
+        return Richardson(coarse, fine, info.order)
+    return _one(named, named.elements)
+
+
+def _one(named: Named, elements: Elements) -> Any:
+    thing = find(named.name)
+    if elements is None and thing.info().isolated:
+        raise InputError("elements", None, f"a number of elements for {named.name}")
+    try:
+        return thing(elements=elements, **dict(named.settings))
+    except TypeError as error:
+        given = dict(named.settings)
+        raise InputError("settings", given, f"settings of {named.name} ({error})") from None
