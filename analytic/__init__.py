@@ -5,7 +5,7 @@ __version__ = "0.1.0"
 from analytic.condensed import Condensed, condensed_frequencies
 from analytic.continuum import Continuum
 from analytic.errors import InputError
-from analytic.limbs import Limbs, limbs_at
+from analytic.kinematics import Limbs, limbs_at
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
 from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes

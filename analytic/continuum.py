@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic.condensed import condensed_frequencies
 from analytic.dynamic_stiffness import bending_waves
 from analytic.errors import InputError, number
-from analytic.limbs import Limbs, limbs_at
+from analytic.kinematics import Limbs, limbs_at
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count

@@ -5,15 +5,16 @@ scales with d, masses with rho d^3 and moments of inertia with rho d^5. So every
 to rods of 1 m, 1 Pa and 1 kg/m^3: all share one rod, and its tables.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.condensed import CHUNK, lowest
 from analytic.errors import InputError, count, number
+from analytic.kinematics import limbs_of
 from analytic.mechanism import Material, Mechanism, Platform, Rod
-from analytic.pose import CLOSURE
+from analytic.pose import CLOSURE, closure, rotation
 from analytic.reduced import constants
 from analytic.theory import Theory
 
@@ -95,7 +96,7 @@ def design_frequencies(
         1.0, 1.0, Rod(steel, 1.0), Platform.diagonal(1.0, (1.0, 1.0, 1.0)), heading=heading
     )
     known = constants(unit, Theory(beam, shear))
-    lengths, vectors = _geometry(designs, known.points, known.fixed[3:])
+    lengths, vectors = _geometry(designs, unit)
     result = np.empty((len(designs), modes))
     for rows, span in _alike(lengths):
         result[rows] = lowest(
@@ -105,41 +106,31 @@ def design_frequencies(
     return np.asarray(np.sqrt(np.maximum(result, 0)) * (speed / (2 * np.pi))[:, None])
 
 
-def _geometry(designs: Designs, out: Floats, axes: Floats) -> tuple[Floats, Floats]:
+def _geometry(designs: Designs, unit: Mechanism) -> tuple[Floats, Floats]:
     """Return lengths (N, 3) and vectors a_k (N, 9, 6) as `reduced.geometry`, in diameters.
 
-    `out` (3, 3) are the unit directions of the limbs' circles, `axes` (3, 3) of their joints.
+    `unit` is the mechanism whose radii are 1.
     """
-    d = designs.diameter
-    r1, r2, z = designs.base_radius / d, designs.platform_radius / d, designs.z / d
-    c, s, ct, st = (f(x) for x in (designs.azimuth, designs.tilt) for f in (np.cos, np.sin))
-    mixed = c * s * (ct - 1)
-    R = np.empty((len(d), 3, 3))
-    R[:, 0, 0], R[:, 1, 1], R[:, 2, 2] = c * c * ct + s * s, s * s * ct + c * c, ct
-    R[:, 0, 1] = R[:, 1, 0] = mixed
-    R[:, 0, 2], R[:, 1, 2] = c * st, s * st
-    R[:, 2, 0], R[:, 2, 1] = -R[:, 0, 2], -R[:, 1, 2]
-    points, y = r2[:, None, None] * out, axes @ R
-    o = np.empty((len(d), 3))
-    # As in `geometry`; the axes are tangential, so B_i . e_i = 0.
-    o[:, :2] = -(y * points).sum(axis=-1) @ np.linalg.pinv(axes[:, :2]).T
-    o[:, 2] = z
-    limbs = (o[:, None, :] - r1[:, None, None] * out) @ R + points
-    lengths = np.sqrt((limbs * limbs).sum(axis=-1))
-    if lengths.min(initial=1.0) <= CLOSURE or (abs((y * limbs).sum(axis=-1)) > 1e-6).any():
+    d, out = designs.diameter, unit.platform_points
+    r1, r2 = (
+        (radius / d)[:, None, None] * out
+        for radius in (designs.base_radius, designs.platform_radius)
+    )
+    R = rotation(designs.azimuth, designs.tilt)
+    held = closure(unit.axes, r1, r2, designs.z / d, R)
+    limbs = limbs_of(unit.axes, held)
+    if limbs.lengths.min(initial=1.0) <= CLOSURE or (np.abs(held.off_plane) > 1e-6).any():
         raise InputError("designs", "a limb", "limbs of some length, in their joints' planes")
-    along = limbs / lengths[..., None]
     if designs.mirrored:
-        radial = out @ R
-        along = along - 2 * (along * radial).sum(axis=-1, keepdims=True) * radial
-    frames = np.stack([np.cross(y, along), y, along], axis=2)
-    W = np.zeros((len(d), 3, 3, 6))
-    unit = designs.density * d**3
-    W[..., :3] = np.eye(3) / np.sqrt(designs.mass / unit)[:, None, None, None]
+        y, z = limbs.frames[..., 1], limbs.frames[..., 2]
+        z = z - 2 * (z * out).sum(axis=-1, keepdims=True) * out
+        limbs = replace(limbs, frames=np.stack([np.cross(y, z), y, z], axis=-1))
+    weight = designs.density * d**3
     moments = np.stack([designs.across, designs.across, designs.polar], axis=-1)
-    root = np.sqrt(moments / (unit * d**2)[:, None])
-    W[..., 3:] = np.cross(points[:, :, None, :], np.eye(3)) / root[:, None, None, :]
-    return lengths, (frames @ W).reshape(len(d), 9, 6)
+    vectors = limbs.directions
+    vectors[..., :3] /= np.sqrt(designs.mass / weight)[:, None, None, None]
+    vectors[..., 3:] /= np.sqrt(moments / (weight * d**2)[:, None])[:, None, None, :]
+    return limbs.lengths, vectors.reshape(len(d), 9, 6)
 
 
 def _alike(lengths: Floats) -> list[tuple[NDArray[np.intp], Floats]]:

@@ -1,7 +1,9 @@
 """What a manipulator is made of: materials, rods, platform and limbs, in SI units."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,17 +216,23 @@ class Mechanism:
         platform = forms[inertia](0.2, 0.02, steel.density)
         return cls.regular(0.3, 0.2, Rod(steel, 0.1), platform, heading=heading)
 
-    @property
+    @cached_property
     def bases(self) -> NDArray[np.float64]:
         """The points B_i, global frame, shape (n, 3) [m]."""
-        return np.array([limb.base for limb in self.limbs])
+        return _constant(limb.base for limb in self.limbs)
 
-    @property
+    @cached_property
     def axes(self) -> NDArray[np.float64]:
         """The unit revolute axes, global frame, shape (n, 3)."""
-        return np.array([limb.axis for limb in self.limbs])
+        return _constant(limb.axis for limb in self.limbs)
 
-    @property
+    @cached_property
     def platform_points(self) -> NDArray[np.float64]:
         """The points A_i, moving frame, shape (n, 3) [m]."""
-        return np.array([limb.platform_point for limb in self.limbs])
+        return _constant(limb.platform_point for limb in self.limbs)
+
+
+def _constant(rows: Iterable[Vector]) -> NDArray[np.float64]:
+    array = np.array(list(rows))
+    array.flags.writeable = False
+    return array

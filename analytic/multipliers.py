@@ -14,8 +14,8 @@ from analytic.continuum import Continuum
 from analytic.eigen import hertz, lowest_modes
 from analytic.errors import InputError
 from analytic.errors import count as whole
+from analytic.kinematics import Limbs
 from analytic.lanczos import factor, lowest
-from analytic.limbs import Limbs
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count

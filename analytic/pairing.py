@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.limbs import limbs_at
+from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose

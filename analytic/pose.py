@@ -65,26 +65,65 @@ class Pose:
     @property
     def rotation(self) -> NDArray[np.float64]:
         """R of Eq. (1), moving to global frame, shape (*shape, 3, 3)."""
-        c_phi, s_phi = np.cos(self.azimuth), np.sin(self.azimuth)
-        c_tilt, s_tilt = np.cos(self.tilt), np.sin(self.tilt)
-        mixed = c_phi * s_phi * (c_tilt - 1)
-        rows = [
-            [c_phi**2 * c_tilt + s_phi**2, mixed, c_phi * s_tilt],
-            [mixed, s_phi**2 * c_tilt + c_phi**2, s_phi * s_tilt],
-            [-c_phi * s_tilt, -s_phi * s_tilt, c_tilt],
-        ]
-        return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        return rotation(self.azimuth, self.tilt)
 
 
-def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
-    """Return o in the global frame, shape (*pose.shape, 3) [m]: Eq. (2) for any mechanism.
+def rotation(azimuth: Any, tilt: Any) -> NDArray[Any]:
+    """Return R of Eq. (1) at angles of one shape [rad], real or complex, shape (..., 3, 3)."""
+    c_phi, s_phi = np.cos(azimuth), np.sin(azimuth)
+    c_tilt, s_tilt = np.cos(tilt), np.sin(tilt)
+    R = np.empty((*np.shape(c_phi), 3, 3), dtype=np.result_type(c_phi, c_tilt))
+    R[..., 0, 0] = c_phi * c_phi * c_tilt + s_phi * s_phi
+    R[..., 1, 1] = s_phi * s_phi * c_tilt + c_phi * c_phi
+    R[..., 2, 2] = c_tilt
+    R[..., 0, 1] = R[..., 1, 0] = c_phi * s_phi * (c_tilt - 1)
+    R[..., 0, 2] = c_phi * s_tilt
+    R[..., 1, 2] = s_phi * s_tilt
+    R[..., 2, 0], R[..., 2, 1] = -R[..., 0, 2], -R[..., 1, 2]
+    return R
+
+
+@dataclass(frozen=True)
+class Closure:
+    """The platform held by its limbs; `...` is the shape of the poses.
+
+    Attributes: `rotation` R (..., 3, 3); `centre` o in the global frame (..., 3) [m]; `arms`
+    R o A_i and `vectors` B_i A_i, global frame (..., n, 3) [m]; `off_plane`, how far each A_i is
+    beside its revolute joint's plane (..., n) [m].
+    """
+
+    rotation: NDArray[Any]
+    centre: NDArray[Any]
+    arms: NDArray[Any]
+    vectors: NDArray[Any]
+    off_plane: NDArray[Any]
+
+
+def closure(
+    axes: NDArray[Any], bases: NDArray[Any], points: NDArray[Any], z: Any, R: NDArray[Any]
+) -> Closure:
+    """Return the platform at height `z` (...) turned by `R` (..., 3, 3), real or complex.
 
     Each revolute joint keeps its limb in the plane through B_i normal to its axis e_i, so x and y
-    solve e_i . (o + R A_i - B_i) = 0 for all i. For limbs 120 degrees apart that is Eq. (2):
-    x = r2 (cos theta - 1) cos(2 phi) / 2, y = r2 (1 - cos theta) sin(2 phi) / 2 about the first.
-    Raises `InputError` where an A_i leaves that plane, or meets its B_i.
+    solve e_i . (o + R A_i - B_i) = 0 for all i. `axes` (n, 3) are unit vectors; `bases` B_i and
+    `points` A_i have shape (..., n, 3). Nothing is refused: see `closed`.
     """
-    o, off_plane, lengths = _closure(mechanism, pose)
+    arms = points @ R.swapaxes(-1, -2)
+    height = np.asarray(z)[..., None]
+    gap = ((arms - bases) * axes).sum(axis=-1) + axes[:, 2] * height
+    across = -gap @ np.linalg.pinv(axes[:, :2], rcond=1e-9).T
+    o = np.concatenate([across, height], axis=-1)
+    vectors = o[..., None, :] + arms - bases
+    return Closure(R, o, arms, vectors, (vectors * axes).sum(axis=-1))
+
+
+def closed(mechanism: Mechanism, pose: Pose) -> Closure:
+    """Return `mechanism` closed at `pose`: Eqs. (1) and (2).
+
+    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
+    """
+    found = _closure(mechanism, pose)
+    off_plane, lengths = np.abs(found.off_plane), np.linalg.norm(found.vectors, axis=-1)
     _refuse(
         pose,
         off_plane > CLOSURE,
@@ -93,26 +132,30 @@ def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     )
     gone = "limbs of some length, not that of A_{} of {:.1e} m"
     _refuse(pose, lengths <= CLOSURE, lengths, gone)
-    return o
+    return found
+
+
+def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
+    """Return o in the global frame, shape (*pose.shape, 3) [m]: Eq. (2) for any mechanism.
+
+    For limbs 120 degrees apart that is Eq. (2) as printed, x = r2 (cos theta - 1) cos(2 phi) / 2
+    and y = r2 (1 - cos theta) sin(2 phi) / 2, about the first (see `closure`).
+    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
+    """
+    return closed(mechanism, pose).centre
 
 
 def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
     """Return where `position` has an answer: all joints close, shape pose.shape."""
-    _, off_plane, lengths = _closure(mechanism, pose)
-    return np.asarray(((off_plane <= CLOSURE) & (lengths > CLOSURE)).all(axis=-1))
+    found = _closure(mechanism, pose)
+    lengths = np.linalg.norm(found.vectors, axis=-1)
+    good = (np.abs(found.off_plane) <= CLOSURE) & (lengths > CLOSURE)
+    return np.asarray(good.all(axis=-1))
 
 
-def _closure(mechanism: Mechanism, pose: Pose) -> tuple[NDArray[np.float64], ...]:
-    """Return o (..., 3), how far each A_i is beside its plane (..., n) and |B_i A_i| (..., n)."""
-    axes, bases = mechanism.axes, mechanism.bases
-    arms = np.einsum("...jk,ik->...ij", pose.rotation, mechanism.platform_points)
-    height = np.asarray(pose.z)[..., None]
-    gap = np.einsum("ij,...ij->...i", axes, arms - bases) + axes[:, 2] * height
-    across = -gap @ np.linalg.pinv(axes[:, :2], rcond=1e-9).T
-    o = np.concatenate([across, height], axis=-1)
-    limbs = o[..., None, :] + arms - bases
-    off_plane = np.abs(np.einsum("ij,...ij->...i", axes, limbs))
-    return o, off_plane, np.linalg.norm(limbs, axis=-1)
+def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
+    points = mechanism.platform_points
+    return closure(mechanism.axes, mechanism.bases, points, pose.z, pose.rotation)
 
 
 def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import Sections, sections
+from analytic.kinematics import limbs_at
 from analytic.limb_modes import DEGREE, limb_modes, units
 from analytic.mechanism import Mechanism
-from analytic.pose import CLOSURE, Pose, position
+from analytic.pose import Pose
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -27,59 +28,35 @@ Floats = NDArray[np.float64]
 class Constants:
     """What poses share.
 
-    Attributes: the limbs' `rods` and, `alike`, which of them are equal; `points` A_i (n, 3);
-    `fixed` B_i over revolute axes (2 n, 3); `across` the pseudo-inverse of the axes' x and y
-    (2, n), for Eq. (2); `W` (n, 3, 6): a = c @ W_i turns a direction c of the moving frame into
-    the platform's coordinates, in which its mass is the identity.
+    Attributes: the limbs' `rods` and, `alike`, which of them are equal; `unit` (6, 6), by which a
+    row of `Limbs.directions` is multiplied for coordinates in which the platform's mass is 1.
     """
 
     rods: Sections
     alike: list[NDArray[np.intp]]
-    points: Floats
-    fixed: Floats
-    across: Floats
-    W: Floats
+    unit: Floats
 
 
 @lru_cache(maxsize=32)
 def constants(mechanism: Mechanism, theory: Theory) -> Constants:
     """Return what poses share."""
-    root = np.linalg.cholesky(np.array(mechanism.platform.inertia))
-    points = mechanism.platform_points
-    turned = np.linalg.solve(root, np.cross(points[:, None, :], np.eye(3)).swapaxes(1, 2))
-    moved = np.broadcast_to(np.eye(3) / np.sqrt(mechanism.platform.mass), turned.shape)
-    W = np.concatenate([moved, turned], axis=1).swapaxes(1, 2)
-    fixed = np.concatenate([mechanism.bases, mechanism.axes])
-    across = np.asarray(np.linalg.pinv(mechanism.axes[:, :2], rcond=1e-9), dtype=np.float64)
+    unit = np.zeros((6, 6))
+    unit[:3, :3] = np.eye(3) / np.sqrt(mechanism.platform.mass)
+    unit[3:, 3:] = np.linalg.inv(np.linalg.cholesky(np.array(mechanism.platform.inertia))).T
     rods = sections(mechanism, theory)
-    return Constants(rods, _alike(rods), points, fixed, across, np.ascontiguousarray(W))
+    return Constants(rods, _alike(rods), unit)
 
 
 def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Floats, Floats]:
     """Return lengths (N, n) [m] and vectors a_k (N, 3 n, 6) at N `poses` of any shape.
 
-    As `limbs_at`, seen from the moving frame. Raises `InputError` as `position` does.
+    In the moving frame, and in coordinates in which the platform's mass is the identity.
+    Raises `InputError` as `position` does.
     """
-    n, R = len(known.points), poses.rotation.reshape(-1, 3, 3)
-    bases, axes = known.fixed[:n], known.fixed[n:]
-    o = np.empty((len(R), 3))
-    o[:, 2] = np.ravel(poses.z)
-    seen = known.fixed @ R
-    y = seen[:, n:]
-    # Every limb stays in its revolute joint's plane: y_i . (R^T (o - B_i) + A_i) = 0.
-    gap = (y * known.points).sum(axis=-1) - (axes * bases).sum(axis=-1)
-    o[:, :2] = -(gap + o[:, 2:] * axes[:, 2]) @ known.across.T
-    limbs = (o[:, None, :] @ R) - seen[:, :n] + known.points
-    lengths = np.sqrt((limbs * limbs).sum(axis=-1))
-    off_plane = np.abs((y * limbs).sum(axis=-1))
-    if off_plane.max(initial=0.0) > CLOSURE / 2 or lengths.min(initial=1.0) < 2 * CLOSURE:
-        position(mechanism, poses)  # refuses what does not close, in its own words
-    frames = np.empty((len(R), n, 3, 3))
-    frames[:, :, 1] = y
-    frames[:, :, 2] = z = limbs / lengths[..., None]
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        frames[:, :, 0, i] = y[..., j] * z[..., k] - y[..., k] * z[..., j]
-    return lengths, (frames @ known.W).reshape(len(R), 3 * n, 6)
+    limbs = limbs_at(mechanism, poses)
+    n = limbs.lengths.shape[-1]
+    vectors = limbs.directions.reshape(-1, 6) @ known.unit
+    return limbs.lengths.reshape(-1, n), vectors.reshape(-1, 3 * n, 6)
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,11 @@ from analytic.continuum import REPEATED, eigenspace
 from analytic.dynamic_stiffness import Array, Sections, limb_stiffness
 from analytic.errors import InputError
 from analytic.errors import count as whole
+from analytic.kinematics import limbs_of
 from analytic.mechanism import Mechanism
 from analytic.modes import check_count
-from analytic.pose import Pose
-from analytic.substructure import platform_mass, rigid_arm
+from analytic.pose import Pose, closure, rotation
+from analytic.substructure import platform_mass
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic, characteristic
 
@@ -177,9 +178,8 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
         mechanism.platform_points, step("platform_radius", np.zeros(len(rods)), limbs)
     )
     z, azimuth, tilt = (step(key, [getattr(pose, key)])[0] for key in POSE)
-    lengths, frames = _limbs(mechanism.axes, bases, points, z, azimuth, tilt)
-    still = rigid_arm(np.zeros(3))
-    arms = np.array([rigid_arm(p.real) + 1j * (rigid_arm(p.imag) - still) for p in points])
+    held = closure(mechanism.axes, bases, points, z, rotation(azimuth, tilt))
+    limbs = limbs_of(mechanism.axes, held)
     mass = np.zeros((6, 6), dtype=complex)
     mass[:3, :3] = step("mass", [mechanism.platform.mass])[0] * np.eye(3)
     mass[3:, 3:] = np.array(mechanism.platform.inertia)
@@ -188,7 +188,7 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
         mass[3 + i, 3 + j] += 1j * size
         if i != j:
             mass[3 + j, 3 + i] += 1j * size
-    return _Moved(sections, lengths, frames @ arms, mass, size)
+    return _Moved(sections, limbs.lengths, limbs.directions, mass, size)
 
 
 def _parsed(name: str, n: int) -> tuple[str, Any]:
@@ -206,27 +206,3 @@ def _radially(points: NDArray[np.float64], shift: Array) -> Array:
     radius = np.hypot(points[:, 0], points[:, 1])[:, None]
     outward = points[:, :2] / np.where(radius > 0, radius, 1.0)
     return np.concatenate([points[:, :2] + shift[:, None] * outward, points[:, 2:] + 0j], axis=1)
-
-
-def _limbs(
-    axes: NDArray[np.float64], bases: Array, points: Array, z: Any, azimuth: Any, tilt: Any
-) -> tuple[Array, Array]:
-    """Return lengths (n,) and axes (n, 3, 3), rows x, y, z in the moving frame; see `limbs_at`."""
-    c, s, ct, st = np.cos(azimuth), np.sin(azimuth), np.cos(tilt), np.sin(tilt)
-    mixed = c * s * (ct - 1)
-    R = np.array(
-        [
-            [c * c * ct + s * s, mixed, c * st],
-            [mixed, s * s * ct + c * c, s * st],
-            [-c * st, -s * st, ct],
-        ]
-    )
-    arms = points @ R.T
-    gap = (axes * (arms - bases)).sum(axis=1) + axes[:, 2] * z
-    o = np.append(-np.linalg.pinv(axes[:, :2], rcond=1e-9) @ gap, z)
-    limbs = o + arms - bases
-    lengths = np.sqrt((limbs * limbs).sum(axis=1))
-    along = limbs / lengths[:, None]
-    x = np.cross(axes + 0j, along)
-    x /= np.sqrt((x * x).sum(axis=1))[:, None]
-    return lengths, np.stack([x, np.cross(along, x), along], axis=1) @ R

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError
 from analytic.errors import count as whole
+from analytic.kinematics import Limbs, limbs_at
 from analytic.limb_table import DIRECTIONS, OCTAVES, Columns, LimbTable
-from analytic.limbs import Limbs, limbs_at
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose

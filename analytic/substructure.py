@@ -15,7 +15,7 @@ from analytic.beam import centre_line, element_matrices
 from analytic.eigen import lowest_modes
 from analytic.errors import InputError
 from analytic.errors import count as whole
-from analytic.limbs import Limbs, limbs_at
+from analytic.kinematics import Limbs, limbs_at
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count

@@ -21,7 +21,7 @@ from analytic.dynamic_stiffness import (
     sections,
     torsion_eigenvalues,
 )
-from analytic.limbs import limbs_at
+from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose
 from analytic.substructure import platform_mass, rigid_arm

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError, count, number
-from analytic.limbs import limbs_at
+from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose, closes
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod
-from analytic.limbs import limbs_at
+from analytic.kinematics import limbs_at
 from analytic.pairing import pair
 from analytic.substructure import rigid_arm
 from reference_models import ModelError, UnavailableError, exudyn_system, reference

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod, Substructure
-from analytic.limbs import limbs_at
+from analytic.kinematics import limbs_at
 from analytic.pairing import mass_vectors, pair
 from analytic.substructure import rigid_arm
 from reference_models import ModelError, UnavailableError, mujoco_system, reference

@@ -1,0 +1,88 @@
+"""The limbs at a pose: lengths, frames, joint angles and the directions they act in, Eq. (3)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.mechanism import Mechanism
+from analytic.pose import Closure, Pose, closed
+
+Array = NDArray[Any]
+"""Real, or complex where a derivative is taken by complex step."""
+
+
+@dataclass(frozen=True)
+class Limbs:
+    """All limbs of a mechanism at one pose or many; `...` below is the shape of the pose.
+
+    Attributes:
+        rotation: R of Eq. (1), from moving to global frame, shape (..., 3, 3).
+        centre: o in the global frame, shape (..., 3) [m].
+        arms: o to A_i in the global frame, shape (..., n, 3) [m].
+        lengths: L_i = |B_i A_i|, shape (..., n) [m].
+        frames: R_i from limb to global axes, shape (..., n, 3, 3); y_i is the revolute axis and
+            z_i points from B_i to A_i.
+    """
+
+    rotation: Array
+    centre: Array
+    arms: Array
+    lengths: Array
+    frames: Array
+
+    @property
+    def revolute(self) -> Array:
+        """The angle of B_i A_i from the global z, about the revolute axis, (..., n) [rad]."""
+        y, z = self.frames[..., 1], self.frames[..., 2]
+        across = y[..., 1] * z[..., 0] - y[..., 0] * z[..., 1]
+        return np.asarray(np.arctan2(across, z[..., 2]))
+
+    @property
+    def spherical(self) -> Array:
+        """The angle between B_i A_i and the platform's normal, shape (..., n) [rad]."""
+        z, normal = self.frames[..., 2], self.rotation[..., None, :, 2]
+        across = np.linalg.norm(_cross(normal, z), axis=-1)
+        return np.asarray(np.arctan2(across, (normal * z).sum(axis=-1)))
+
+    @property
+    def directions(self) -> Array:
+        """How x_i, y_i and z_i of every limb move the platform, shape (..., n, 3, 6).
+
+        Row k of limb i is a_k = [c, p_i x c]: in the moving frame, c is the axis and p_i = o A_i.
+        A platform displacement U moves A_i by a_k . U along it; a force f along it is f a_k at o.
+        """
+        R = self.rotation[..., None, :, :]
+        c = self.frames.swapaxes(-1, -2) @ R
+        points = (self.arms[..., None, :] @ R)[..., 0, :]
+        return np.concatenate([c, _cross(points[..., None, :], c)], axis=-1)
+
+
+def limbs_at(mechanism: Mechanism, pose: Pose) -> Limbs:
+    """Return the limbs at `pose`, by Eq. (3): B_i A_i = O o + R o A_i - O B_i.
+
+    Raises `InputError` where a joint cannot close (see `position`).
+    """
+    return limbs_of(mechanism.axes, closed(mechanism, pose))
+
+
+def limbs_of(axes: Array, closure: Closure) -> Limbs:
+    """Return the limbs of joints closed by `closure` about revolute `axes` (..., n, 3).
+
+    Real or complex, so that derivatives can be taken by complex step.
+    """
+    vectors = closure.vectors
+    lengths = np.sqrt((vectors * vectors).sum(axis=-1))
+    z = vectors / lengths[..., None]
+    x = _cross(axes, z)
+    # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
+    x /= np.sqrt((x * x).sum(axis=-1))[..., None]
+    frames = np.stack([x, _cross(z, x), z], axis=-1)
+    return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
+    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
