@@ -61,10 +61,13 @@ def reproduce(entries: Sequence[Entry], plan: Plan, bench: Bench) -> Iterator[Pa
 
 def jobs(entry: Entry, module: ModuleType, plan: Plan) -> dict[str, Request]:
     """Return what the main job asks of a study, by the stem of its files."""
-    make = getattr(module, "jobs", "default")
-    if make is None:
+    found: dict[str, Request]
+    if not hasattr(module, "jobs"):
+        found = {entry.name: plan.request()}
+    elif module.jobs is None:
         return {}
-    found: dict[str, Request] = {entry.name: plan.request()} if make == "default" else make(plan)
+    else:
+        found = module.jobs(plan)
     usual = request(module, {}).options
     return {stem: one.with_(options={**usual, **one.options}) for stem, one in found.items()}
 

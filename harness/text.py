@@ -25,12 +25,12 @@ def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
     Raises `InputError` naming the argument that cannot be read.
     """
     given = {name: text for name, text in texts.items() if text is not None}
-    default = DEFAULTS | getattr(study, "DEFAULTS", {})
+    default: dict[str, str] = DEFAULTS | getattr(study, "DEFAULTS", {})
     shear = shear_coefficient(given.get("shear"))
     cases = chosen(given.get("cases"), given.get("case_file"), default.get("cases", PAPER_CASES))
-    model = given.get("model", default.get("model", ""))
-    theory = parse(model, "model", **shear) if model else cases[0].theory
-    elements = given.get("elements", default.get("elements", ""))
+    model = given.get("model") or default.get("model")
+    theory = parse(model, "model", **shear) if model else cases[0].theory.given(**shear)
+    elements = given.get("elements") or default.get("elements")
     options = {
         option.name: None if text is None else option.parse(text)
         for option in getattr(study, "OPTIONS", ())
@@ -108,7 +108,8 @@ def plan(texts: dict[str, str | None]) -> Plan:
     given = {name: text for name, text in texts.items() if text is not None}
     shear = shear_coefficient(given.get("shear"))
     cases = chosen(given.get("cases"), given.get("case_file"), PAPER_CASES)
-    theory = parse(given["model"], "model", **shear) if "model" in given else cases[0].theory
+    named = given.get("model")
+    theory = parse(named, "model", **shear) if named else cases[0].theory.given(**shear)
     return Plan(
         tuple(cases),
         theory,

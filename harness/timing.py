@@ -49,9 +49,10 @@ class Way:
     def method(self) -> str:
         """What is the same for every number of elements, in words."""
         name = getattr(self.model, "name", type(self.model).__name__)
-        settings = "".join(f", {k} {v}" for k, v in getattr(self.model, "settings", ()))
+        own = ",".join(f"{k}={v}" for k, v in getattr(self.model, "settings", ()))
         many = f", {self.poses} poses a call" if self.poses > 1 else ""
-        return f"{name}{settings}{', frequencies' if self.poses == 1 else ''}{many}"
+        alone = ", frequencies" if self.poses == 1 else ""
+        return f"{name}[{own}]{alone}{many}" if own else f"{name}{alone}{many}"
 
     @property
     def size(self) -> str:

@@ -69,6 +69,12 @@ class Named:
         """
         return _built(self)
 
+    def given(self, **settings: Any) -> "Named":
+        """Return this model with those of `settings` that it has."""
+        known = accepted(self.name)
+        own = {key: value for key, value in settings.items() if key in known}
+        return replace(self, settings=tuple(sorted({**own, **dict(self.settings)}.items())))
+
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises whatever the model raises."""
         found: Modes = self.build().modes(mechanism, pose, count)
@@ -130,16 +136,15 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
     name, number, own = found["name"], found["elements"], found["settings"]
     thing = find(name, argument)
     info, known = Named(name, None).info(), accepted(name)
-    given = {key: value for key, value in settings.items() if key in known}
+    given: dict[str, Any] = {}
     for item in own.split(",") if own else ():
         key, _, value = item.partition("=")
         if key.strip() not in known:
             expected = f"settings of {name}: {', '.join(sorted(known)) or 'it has none'}"
             raise InputError(argument, text, expected)
         given[key.strip()] = _value(value.strip())
-    model = Named(
-        name, _elements(thing, info, number, argument, text), tuple(sorted(given.items()))
-    )
+    size = _elements(thing, info, number, argument, text)
+    model = Named(name, size, tuple(sorted(given.items()))).given(**settings)
     if not info.missing:
         try:
             model.build()
@@ -227,12 +232,13 @@ def _info(named: Named, path: tuple[str, ...]) -> Info:
         return _unusable(f"its info() gives {type(info).__name__}, not Info")
     if named.settings and not info.missing:
         try:
-            info = _one(named, _coarser(named)).info()
+            own = _one(named, _coarser(named)).info()
         except Exception:  # settings that it does not have: said when it is built
             return info
+        info = own if isinstance(own, Info) else info
     beam = dict(named.settings).get("beam")  # a simulator's info is of its class, not of this one
     if beam and info.limit and beam != info.limit:
-        return replace(info, limit=beam, theory=Named(beam, None).info().theory)
+        info = replace(info, limit=beam, theory=Named(beam, None).info().theory)
     return info
 
 

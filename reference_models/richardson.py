@@ -40,8 +40,8 @@ class Richardson:
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the extrapolated modes; raises whatever the model itself raises."""
         # More modes than asked for: one that crosses the end of a mesh's list must be found.
-        coarse = self.coarse.modes(mechanism, pose, count + 2 * SPARE)
-        fine = self.fine.modes(mechanism, pose, count + SPARE)
+        coarse: Modes = self.coarse.modes(mechanism, pose, count + 2 * SPARE)
+        fine: Modes = self.fine.modes(mechanism, pose, count + SPARE)
         ratio = self.fine.elements / self.coarse.elements
         partner = pair(fine, coarse, mechanism, pose).partner
         step = (fine.frequencies - coarse.frequencies[partner]) / (ratio**self.order - 1)

@@ -181,8 +181,8 @@ class Cost(Result):
         return Table(title, columns, tuple(rows), notes)
 
     def _batches_table(self) -> Table:
-        rows = [
-            (t.way.method.partition(f", {t.way.poses} poses")[0], t.way.size, max(1, t.way.poses),
+        rows: list[tuple[Cell, ...]] = [
+            (replace(t.way, poses=0).method, t.way.size, max(1, t.way.poses),
              Number(1e6 * t.median, 2), *_quartiles(1e6 * t.seconds, 2),
              Number(float(np.median(self.ratios(t, FLOOR))), 2))
             for t in self.batches
@@ -199,7 +199,6 @@ class Cost(Result):
         said = published.cost()
         own = self.at(self.theory.name)
         rows: list[tuple[Cell, ...]] = []
-        rivals = [(f"multipliers, solver {solver}", f"multipliers, {solver}") for solver in SOLVERS]
         if own is not None:
             rows.append(_seconds("theoretical model", said["theoretical model"], own))
             if self.stand_in is not None:
@@ -207,10 +206,8 @@ class Cost(Result):
                     _seconds("finite-element model", said["finite-element model"], self.stand_in)
                 )
                 rows.append(_saved(said["cost saved"], own, self.stand_in))
-            for method, _ in rivals:
-                rival = self.at(method)
-                if rival is not None:
-                    rows += [_seconds(method, None, rival), _saved(None, own, rival)]
+            for rival in filter(None, (self.at(_rival(solver)) for solver in SOLVERS)):
+                rows += [_seconds(rival.way.method, None, rival), _saved(None, own, rival)]
         columns = ("Claim", "Unit", "Paper", "Here", "What was measured")
         notes = (
             "the paper compares with finite elements (ANSYS) alone and says neither on what "
@@ -244,7 +241,7 @@ class Cost(Result):
         own = self.at(self.theory.name)
         if own is not None:
             for solver in SOLVERS:
-                rival = self.at(f"multipliers, solver {solver}")
+                rival = self.at(_rival(solver))
                 if rival is not None:
                     lines.append(
                         f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) "
@@ -279,7 +276,7 @@ def measure(
     ways += [
         Way(Named("multipliers", s, (("solver", solver),))) for solver in SOLVERS for s in steps
     ]
-    loops = [Named("condensed", None, (("fast", fast),)) for fast in _loops()]
+    loops = [Named("condensed", None, settings) for settings in _loops()]
     ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
     limit = theory.limit()
     ways += [Way(limit)] if limit is not None else []
@@ -326,11 +323,15 @@ def jobs(plan: Plan) -> dict[str, Request]:
                                  options=options)}  # fmt: skip
 
 
-def _loops() -> list[bool]:
-    """Return which loops of the condensed model can run here: plain, and compiled."""
+def _loops() -> list[tuple[tuple[str, bool], ...]]:
+    """Return the settings of the condensed model's loops that can run here: plain, compiled."""
     from analytic.kernel import compiled
 
-    return [False, True] if compiled() else [False]
+    return [(), (("fast", True),)] if compiled() else [()]
+
+
+def _rival(solver: str) -> str:
+    return Way(Named("multipliers", PAPER_ELEMENTS, (("solver", solver),))).method
 
 
 def _whole(t: Timed) -> float:
@@ -395,8 +396,7 @@ def cost_figure(cost: Cost) -> "Figure":
         left.axhline(level, color="0.3", ls=dots, lw=1.2, label=f"{t.way.method}, exact")
     left.set(xscale="log", xlabel="number of elements $s$", ylabel="time of one pose / yardstick")
     left.set_title(f"(a) yardstick: {YARDSTICK}", fontsize=9)
-    series = dict.fromkeys((t.way.method.partition(", ")[0], t.way.model) for t in cost.batches)
-    for k, (_, model) in enumerate(series):
+    for k, model in enumerate(dict.fromkeys(t.way.model for t in cost.batches)):
         own = [t for t in cost.batches if t.way.model == model]
         name = getattr(model, "label", "")
         _curve(right, cost, own, [max(1, t.way.poses) for t in own], FLOOR, k, name)

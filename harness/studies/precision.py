@@ -390,7 +390,7 @@ def _panel(axes: "Axes", result: WorkPrecision, kind: str, modes: int) -> None:
         axes.plot(times, errors, "o-", color=colour, ms=6, lw=1.4, drawstyle="steps-post", zorder=2)
         for k, point in enumerate(front):
             axes.annotate(
-                f"{point.method.partition(', frequencies')[0]}@{point.size}",
+                label(point.model),
                 (times[k], errors[k]), xytext=(6, 5 if k % 2 else -9),
                 textcoords="offset points", fontsize=7, color=colour,
             )  # fmt: skip

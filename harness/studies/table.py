@@ -287,8 +287,8 @@ def _causes(study: Study, theory: Model) -> list[str]:
         if beam.size and richer != limit:
             lines.append(
                 f"Beam theory ({label(limit)} against {label(richer)}, both without elements) "
-                f"costs {span(beam[:, :3])} on f1-f3 and {span(beam[:, 3:6])} on f4-f6, and no number of "
-                "elements removes that."
+                f"costs {span(beam[:, :3])} on f1-f3 and {span(beam[:, 3:6])} on f4-f6, and no "
+                "number of elements removes that."
             )
     return lines
 
