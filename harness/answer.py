@@ -1,22 +1,31 @@
 """What an answer must satisfy before it is a number: else it is a failure with a reason."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Info
 from analytic.pairing import mass_vectors
+from harness.declared import COARSE, torsion
 from reference_models import ModelError
 
+Array = NDArray[np.float64]
 CLOSED = 1e-9
 """Largest gap of a joint, relative to the mean limb length (and at least in metres)."""
 TOGETHER = 1e-3
 """Largest distance of a limb's end from the platform's point or its base, relative to the shape."""
-HEAVIEST = 1.02
-"""Largest modal mass of centre lines and platform; rotary inertia only takes from it."""
+HEAVIEST = 1.5
+"""Largest modal mass of centre lines and platform: a coarse mesh has another between stations."""
 LIGHTEST = 0.2
-"""Smallest modal mass of a mode that moves centre lines or platform at all."""
+"""Smallest modal mass of a low mode that moves centre lines or platform at all."""
 STILL = 1e-3
 """Below this root of a modal mass a mode moves neither: a limb that twists alone."""
+SOFT, STIFF = 4.0, 10.0
+"""Factors by which a frequency may be above or below what its own shape's energy makes of it."""
+FREE = 1e-5
+"""Frequencies below this part of the largest may be the rounding of a free motion, of 0 Hz."""
+LOWEST = 6
+"""Lowest modes that move: ten parts of a limb show no more bends than theirs."""
 
 
 def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
@@ -29,20 +38,21 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
         raise ModelError(f"it answered {type(answer).__name__}, where Modes were expected")
     frequencies = _frequencies(answer, count)
     _form(answer, mechanism)
-    modes = answer.first(count)
-    if (np.diff(frequencies[:count]) < 0).any():
+    modes = answer
+    if (np.diff(frequencies) < 0).any():
         raise ModelError("its frequencies do not ascend")
     _joints(modes, mechanism, pose)
-    _masses(modes, info, mechanism, pose)
+    mass = _masses(modes, info, mechanism, pose)
+    _energies(modes, mass, mechanism, pose)
     return modes
 
 
-def _frequencies(modes: Modes, count: int) -> np.ndarray:
+def _frequencies(modes: Modes, count: int) -> Array:
     f = np.asarray(modes.frequencies)
     if f.ndim != 1 or f.dtype.kind not in "fiu":
         raise ModelError(f"its frequencies have shape {f.shape} and type {f.dtype}, not ({count},)")
-    if len(f) < count:
-        raise ModelError(f"it gave {len(f)} modes of the {count} asked for")
+    if len(f) != count:
+        raise ModelError(f"it gave {len(f)} modes, where {count} were asked for")
     bad = f[~np.isfinite(f)]
     if bad.size:
         raise ModelError(f"its frequencies hold {bad[0]}")
@@ -91,13 +101,54 @@ def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
             raise ModelError(f"in the shape of mode {int(far.argmax()) + 1} {what}")
 
 
-def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> None:
-    """Refuse shapes that are not of unit modal mass, as far as centre lines and platform tell."""
+def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> Array:
+    """Return the modal masses of centre lines and platform; refuse what is not scaled to one.
+
+    A mode that moves neither is a limb that twists alone, and none does below its first own
+    frequency.
+    """
     mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
     still = mass < STILL**2
-    if still.any() and not info.torsion:
-        raise ModelError(f"mode {int(still.argmax()) + 1} moves nothing, and its rods do not twist")
-    wrong = ~still & ((mass > HEAVIEST) | (mass < LIGHTEST))
+    twisting = still & (modes.frequencies > torsion(mechanism, pose).min() / COARSE)
+    wrong = still & ~(twisting & info.torsion)
+    if wrong.any():
+        raise ModelError(f"mode {int(wrong.argmax()) + 1} moves nothing, and no rod twists there")
+    # Far up, sections may turn and lines hardly move.
+    low = np.cumsum(~still) <= LOWEST
+    wrong = ~still & ((mass > HEAVIEST) | (low & (mass < LIGHTEST)))
     if wrong.any():
         i = int(wrong.argmax())
         raise ModelError(f"mode {i + 1} has a modal mass of {mass[i]:.3g}, where 1 was expected")
+    return np.where(still, 0.0, mass)
+
+
+def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> None:
+    """Refuse frequencies that are not in hertz: far from what the shapes' own energy makes of them.
+
+    Rayleigh's quotient of the lowest modes that move: omega^2 = sum_i int EI (u''^2 + v''^2) + EA
+    w'^2 dz over the modal mass, second differences of the shapes at their stations. Coarse, and
+    shear and joints between rigid segments shift it, but a wrong unit is a factor of six or more.
+    """
+    limbs, h = limbs_at(mechanism, pose), STATIONS[1]
+    u, v, w = np.einsum("mikc,icd->dmik", modes.limbs, limbs.frames)
+    # The clamp lets the limb neither move nor turn across its axis (v); about it (u) it is free.
+    bends = [np.diff(u, 2, axis=-1), np.diff(v, 2, axis=-1), np.sqrt(2) * v[..., 1:2]]
+    curvature = np.concatenate(bends, axis=-1) / (h * limbs.lengths[:, None]) ** 2
+    strain = np.diff(w, axis=-1) / (h * limbs.lengths[:, None])
+    rods = [limb.rod for limb in mechanism.limbs]
+    bending = np.array([rod.material.young * rod.second_moment for rod in rods])
+    axial = np.array([rod.material.young * rod.area for rod in rods])
+    density = bending * (curvature**2).sum(axis=-1) + axial * (strain**2).sum(axis=-1)
+    energy = (density * h * limbs.lengths).sum(axis=-1)
+    floor = FREE * modes.frequencies.max(initial=0.0)
+    seen = np.flatnonzero((mass > 0) & (modes.frequencies > floor))[:LOWEST]
+    if not seen.size:
+        return
+    own = np.sqrt(energy[seen] / mass[seen]) / (2 * np.pi)
+    ratio = float(np.median(modes.frequencies[seen] / np.maximum(own, 1e-300)))
+    if not 1 / STIFF <= ratio <= SOFT:
+        i = int(seen[0])
+        raise ModelError(
+            f"its f{i + 1} is {modes.frequencies[i]:.4g} Hz, where the energy of its own shape "
+            f"makes about {own[0]:.2g} Hz: is it in hertz?"
+        )

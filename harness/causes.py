@@ -3,12 +3,18 @@
 from itertools import pairwise
 
 from analytic.model import Model
-from reference_models import Named
+from reference_models import Named, accepted
 
 THEORIES = ("euler-bernoulli", "rayleigh", "timoshenko")
 """Beam theories from the poorest to the richest; each adds one effect."""
 EFFECTS = dict(zip(pairwise(THEORIES), ("rotary inertia", "shear"), strict=True))
 """What each theory adds to the one before it."""
+
+
+def exact(name: str, like: Model) -> Named:
+    """Return the exact model of the theory `name`, with the shear coefficient that `like` has."""
+    shear = [pair for pair in getattr(like, "settings", ()) if pair[0] == "shear"]
+    return Named(name, None, tuple(shear) if "shear" in accepted(name) else ())
 
 
 def exact_chain(theory: Model) -> list[Named]:
@@ -19,12 +25,7 @@ def exact_chain(theory: Model) -> list[Named]:
     limit = theory.limit()
     if not isinstance(limit, Named) or limit.name not in THEORIES:
         return []
-    names = THEORIES[THEORIES.index(limit.name) :]
-    shear = {**dict(limit.settings), **dict(getattr(theory, "settings", ()))}.get("shear")
-    return [
-        Named(name, None, (("shear", shear),) if shear is not None and name == THEORIES[-1] else ())
-        for name in names
-    ]
+    return [exact(name, theory) for name in THEORIES[THEORIES.index(limit.name) :]]
 
 
 def effects(chain: list[Named]) -> list[str]:
