@@ -23,9 +23,9 @@ from analytic import (
 )
 from analytic.pairing import mass_vectors, pair
 from reference_models import ModelError, calculix_solid, reference
-from reference_models.calculix_deck import write
-from reference_models.calculix_run import Answer
-from reference_models.calculix_solid import CalculixSolid, check_answer, largest_gap
+from reference_models.solid.calculix import CalculixSolid, check_answer, largest_gap
+from reference_models.solid.calculix_deck import write
+from reference_models.solid.calculix_run import Answer
 
 needs_ccx = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX is missing: apt-get install calculix-ccx"

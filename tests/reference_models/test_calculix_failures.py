@@ -15,9 +15,9 @@ import pytest
 from analytic import Mechanism, Pose
 from harness.cli import main
 from reference_models import ModelError, UnavailableError, calculix_run, reference
-from reference_models.calculix_deck import write
-from reference_models.calculix_run import Answer, parse
-from reference_models.calculix_solid import CalculixSolid, check_answer
+from reference_models.solid.calculix import CalculixSolid, check_answer
+from reference_models.solid.calculix_deck import write
+from reference_models.solid.calculix_run import Answer, parse
 
 needs_ccx = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX is missing: apt-get install calculix-ccx"

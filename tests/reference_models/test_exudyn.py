@@ -24,8 +24,8 @@ from analytic import (
 )
 from analytic.pairing import mass_vectors, pair
 from reference_models import ModelError, UnavailableError, exudyn_system, reference
-from reference_models.exudyn_beam import ExudynBeam
-from reference_models.exudyn_cable import ExudynCable
+from reference_models.exudyn.beam import ExudynBeam
+from reference_models.exudyn.cable import ExudynCable
 
 MODELS = {"exudyn-cable": ExudynCable, "exudyn-beam": ExudynBeam}
 # Exact dynamic stiffness of the limbs at cases 1 and 2, by an implementation outside this project.
@@ -322,8 +322,8 @@ QUIET = """
 import sys
 from analytic import Mechanism, Pose
 from reference_models import reference
-from reference_models.exudyn_beam import ExudynBeam
-from reference_models.exudyn_cable import ExudynCable
+from reference_models.exudyn.beam import ExudynBeam
+from reference_models.exudyn.cable import ExudynCable
 
 assert not ExudynBeam.info().missing and not ExudynCable.info().missing
 for name in ("exudyn-cable", "exudyn-beam"):
@@ -333,8 +333,8 @@ for name in ("exudyn-cable", "exudyn-beam"):
 GROWTH = """
 import os, resource
 from analytic import Mechanism, Pose
-from reference_models.exudyn_beam import ExudynBeam
-from reference_models.exudyn_cable import ExudynCable
+from reference_models.exudyn.beam import ExudynBeam
+from reference_models.exudyn.cable import ExudynCable
 
 robot = Mechanism.paper()
 def megabytes(poses):

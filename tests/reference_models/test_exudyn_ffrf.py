@@ -12,9 +12,9 @@ from analytic.kinematics import limbs_at
 from analytic.pairing import pair
 from analytic.substructure import rigid_arm
 from reference_models import ModelError, UnavailableError, exudyn_system, reference
-from reference_models.exudyn_ffrf import ExudynFfrf
-from reference_models.ngsolve_solid import NgsolveSolid
-from reference_models.nodal_rod import nodal_rod
+from reference_models.exudyn.ffrf import ExudynFfrf
+from reference_models.solid.ngsolve import NgsolveSolid
+from reference_models.solid.nodal_rod import nodal_rod
 
 pytest.importorskip("exudyn", reason="exudyn is not installed: pip install exudyn")
 pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')

@@ -25,12 +25,13 @@ from analytic import (
 )
 from analytic.pairing import mass_vectors, pair
 from analytic.substructure import rigid_arm
-from reference_models import ModelError, UnavailableError, mujoco_system, reference
-from reference_models.mujoco_cable import MujocoCable
+from reference_models import ModelError, UnavailableError, reference
+from reference_models.mujoco import system as mujoco_system
+from reference_models.mujoco.cable import MujocoCable
 from reference_models.projection import constrained_modes
 
 mujoco = pytest.importorskip("mujoco")
-linearise = pytest.importorskip("reference_models.mujoco_linearise")
+linearise = pytest.importorskip("reference_models.mujoco.linearise")
 
 FLEX = int(mujoco.__version__.split(".")[0]) >= 4
 BEAM = "euler-bernoulli" if FLEX else "rayleigh"
@@ -268,7 +269,7 @@ def test_missing(
 @pytest.mark.slow
 def test_info_does_not_load_mujoco() -> None:
     code = (
-        "import sys; from reference_models.mujoco_cable import MujocoCable; MujocoCable.info(); "
+        "import sys; from reference_models.mujoco.cable import MujocoCable; MujocoCable.info(); "
         "sys.exit('mujoco' in sys.modules)"
     )
     root = Path(__file__).parents[2]

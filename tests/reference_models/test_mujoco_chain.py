@@ -10,12 +10,13 @@ from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod,
 from analytic.kinematics import limbs_at
 from analytic.pairing import mass_vectors, pair
 from analytic.substructure import rigid_arm
-from reference_models import ModelError, UnavailableError, mujoco_system, reference
-from reference_models.mujoco_chain import MujocoChain, _stiffness
-from reference_models.mujoco_rig import document, limbs_of
+from reference_models import ModelError, UnavailableError, reference
+from reference_models.mujoco import system as mujoco_system
+from reference_models.mujoco.chain import MujocoChain, _stiffness
+from reference_models.mujoco.rig import document, limbs_of
 
 mujoco = pytest.importorskip("mujoco")
-linearise = pytest.importorskip("reference_models.mujoco_linearise")
+linearise = pytest.importorskip("reference_models.mujoco.linearise")
 
 BEAMS = ("euler-bernoulli", "rayleigh")
 REFINED = MujocoChain.info().refinements

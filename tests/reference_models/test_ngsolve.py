@@ -30,11 +30,11 @@ from reference_models import ModelError, UnavailableError, reference
 pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')
 
 from reference_models import ngsolve_mesh, ngsolve_solid
-from reference_models.ngsolve_mesh import solid_rod
-from reference_models.ngsolve_solid import NgsolveAveraged, NgsolveSolid, held_rods, lowest
-from reference_models.solid_faces import hold
-from reference_models.solid_reduction import PARTS, spectrum, statics
-from reference_models.solid_rod import FAMILIES, SLENDERNESS
+from reference_models.solid.faces import hold
+from reference_models.solid.ngsolve import NgsolveAveraged, NgsolveSolid, held_rods, lowest
+from reference_models.solid.ngsolve_mesh import solid_rod
+from reference_models.solid.reduction import PARTS, spectrum, statics
+from reference_models.solid.rod import FAMILIES, SLENDERNESS
 
 COARSE = (2, 1)
 """Elements and order for what does not depend on the mesh."""

@@ -9,7 +9,7 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from analytic import InputError
-from reference_models.rod_mesh import LOCAL, RodMesh, shape_functions
+from reference_models.solid.rod_mesh import LOCAL, RodMesh, shape_functions
 
 Array = NDArray[np.float64]
 

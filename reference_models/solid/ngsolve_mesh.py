@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analytic.modes import STATIONS
 from reference_models.protocol import ModelError, UnavailableError
-from reference_models.solid_rod import SLENDERNESS, SolidRod
+from reference_models.solid.rod import SLENDERNESS, SolidRod
 
 Array = NDArray[np.float64]
 INSTALL = 'pip install "rps-bench[solid]"'

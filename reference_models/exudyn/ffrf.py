@@ -14,13 +14,13 @@ from analytic.mechanism import Mechanism, Rod
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.exudyn_system import Axis, Line, describe, run
-from reference_models.ngsolve_mesh import load as load_ngsolve
-from reference_models.ngsolve_solid import RIM_ORDER
-from reference_models.nodal_rod import nodal_rod
+from reference_models.exudyn.system import Axis, Line, describe, run
 from reference_models.protocol import ModelError, UnavailableError
-from reference_models.solid_faces import FACES
-from reference_models.solid_rod import SLENDERNESS
+from reference_models.solid.faces import FACES
+from reference_models.solid.ngsolve import RIM_ORDER
+from reference_models.solid.ngsolve_mesh import load as load_ngsolve
+from reference_models.solid.nodal_rod import nodal_rod
+from reference_models.solid.rod import SLENDERNESS
 
 NAME = "exudyn-ffrf"
 THEORY = f"3-D elasticity, {FACES['rigid']}"

@@ -14,8 +14,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from reference_models.ngsolve_mesh import coefficients, load, quarter
-from reference_models.solid_rod import SolidRod
+from reference_models.solid.ngsolve_mesh import coefficients, load, quarter
+from reference_models.solid.rod import SolidRod
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -6,7 +6,7 @@ first cylinder to the hinge body, so that the rod bends one element too late: fi
 
 from typing import Any
 
-from reference_models.mujoco_rig import Limb, Rods, text
+from reference_models.mujoco.rig import Limb, Rods, text
 
 THEORY = "inextensible Rayleigh"
 LIMIT = ""

@@ -11,7 +11,7 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.exudyn_system import (
+from reference_models.exudyn.system import (
     Axis,
     Line,
     add_spherical,

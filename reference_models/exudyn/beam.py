@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from analytic.errors import InputError, number
 from analytic.errors import count as whole
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from analytic.theory import Theory
-from reference_models.exudyn_system import (
+from reference_models.exudyn.system import (
     Axis,
     Line,
     add_rigid_nodes,
@@ -29,7 +29,8 @@ class ExudynBeam:
     """Limbs of `elements` ObjectBeamGeometricallyExact: Timoshenko with rotary inertia.
 
     Linear along the rod between nodes with a position and Euler parameters. `shear` is the shear
-    coefficient, as in `Theory`. Raises `InputError` for fewer than one element or a bad `shear`.
+    coefficient of a solid round section, "cowper", "0.9", "6/7" or a positive number. Raises
+    `InputError` for fewer than one element or a bad `shear`.
     """
 
     elements: int = 16
@@ -37,7 +38,7 @@ class ExudynBeam:
 
     def __post_init__(self) -> None:
         whole("elements", self.elements)
-        Theory("timoshenko", self.shear)
+        shear_coefficient(self.shear, 0.3)
 
     @classmethod
     def info(cls) -> Info:
@@ -47,8 +48,9 @@ class ExudynBeam:
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""
-        theory = Theory("timoshenko", self.shear)
-        labels = "; ".join(sorted({theory.label(limb.rod.material) for limb in mechanism.limbs}))
+        ratios = {limb.rod.material.poisson for limb in mechanism.limbs}
+        kappas = sorted({shear_coefficient(self.shear, ratio) for ratio in ratios})
+        labels = "; ".join(f"Timoshenko, kappa={kappa:.4g}" for kappa in kappas)
         return run(NAME, labels, self.elements, self._add_rod, mechanism, pose, count)
 
     def _add_rod(self, exu: Any, mbs: Any, axis: Axis) -> Line:
@@ -61,7 +63,7 @@ class ExudynBeam:
             [rod.polar_moment, rod.second_moment, rod.second_moment]
         )
         bending = material.young * rod.second_moment
-        shear = Theory("timoshenko", self.shear).shear_coefficient(material)
+        shear = shear_coefficient(self.shear, material.poisson)
         shearing = shear * material.shear * rod.area
         twisting = material.shear * rod.polar_moment
         section.stiffnessMatrix = np.diag(
@@ -88,3 +90,16 @@ class ExudynBeam:
         last = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
         velocities = along_elements(exu, mbs, axis, elements, -size / 2)
         return Line(velocities, (fixed, first), last)
+
+
+def shear_coefficient(shear: str | float, poisson: float) -> float:
+    """Return kappa of a solid round section; "cowper" is 6 (1 + nu) / (7 + 6 nu).
+
+    Raises `InputError` for anything else than the names above and positive numbers.
+    """
+    named = {"cowper": 6 * (1 + poisson) / (7 + 6 * poisson), "0.9": 0.9, "6/7": 6 / 7}
+    if isinstance(shear, str):
+        if shear not in named:
+            raise InputError("shear", shear, f"one of {', '.join(named)}, or a positive number")
+        return named[shear]
+    return number("shear", shear, "a positive shear coefficient", positive=True)

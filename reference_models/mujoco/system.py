@@ -13,7 +13,7 @@ from analytic.errors import InputError
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.mujoco_rig import Limb, Rods, document, limbs_of, surplus
+from reference_models.mujoco.rig import Limb, Rods, document, limbs_of, surplus
 from reference_models.projection import constrained_modes
 from reference_models.protocol import UnavailableError, check_closure
 
@@ -67,8 +67,8 @@ def run(
     if reason := missing():
         raise UnavailableError(f"{name} cannot run here: {reason}")
     # These need MuJoCo; info() must not.
-    from reference_models import mujoco_geometry as geometry
-    from reference_models import mujoco_linearise as mj
+    from reference_models.mujoco import geometry
+    from reference_models.mujoco import linearise as mj
 
     if pose.shape:
         raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")

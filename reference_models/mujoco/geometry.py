@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from analytic.modes import STATIONS
-from reference_models.mujoco_rig import Limb
+from reference_models.mujoco.rig import Limb
 
 Array = NDArray[np.float64]
 

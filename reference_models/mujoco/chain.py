@@ -19,12 +19,11 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from analytic.theory import BEAMS
-from reference_models import mujoco_system
-from reference_models.mujoco_rig import STILL, Limb, Rods, inertial, text
+from reference_models.mujoco import system
+from reference_models.mujoco.rig import STILL, Limb, Rods, inertial, text
 
 NAME = "mujoco-chain"
-SHEARLESS = ("euler-bernoulli", "rayleigh")
+SHEARLESS = {"euler-bernoulli": "Euler-Bernoulli", "rayleigh": "Rayleigh"}
 
 
 @dataclass(frozen=True)
@@ -48,21 +47,21 @@ class MujocoChain:
     def info(cls) -> Info:
         """Return what the model is; never raises."""
         return Info(
-            BEAMS[cls.beam],
+            SHEARLESS[cls.beam],
             "MuJoCo",
-            mujoco_system.installed(),
+            system.installed(),
             2,
             (12, 24),
             (6, 12, 24),
             limit=cls.beam,
             remark='rigid segments and springs; Rayleigh with beam="rayleigh"',
-            missing=mujoco_system.missing(),
+            missing=system.missing(),
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose; raises as `mujoco_system.run`."""
-        theory = BEAMS[self.beam]
-        return mujoco_system.run(
+        """Return the `count` lowest modes at one pose; raises as `system.run`."""
+        theory = SHEARLESS[self.beam]
+        return system.run(
             NAME, theory, self.elements, self._rods, _stiffness, mechanism, pose, count
         )
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.mechanism import Mechanism, Rod
-from analytic.pose import Pose, position
+from analytic.pose import Pose
+from reference_models.placement import place
 
 Array = NDArray[np.float64]
 
@@ -63,21 +64,24 @@ class Rods:
 
 def limbs_of(mechanism: Mechanism, pose: Pose) -> list[Limb]:
     """Return the limbs at `pose`; raises `InputError` where a joint cannot close."""
-    o, R = position(mechanism, pose), pose.rotation
-    result = []
-    for limb in mechanism.limbs:
-        base, point, axis = (np.array(v) for v in (limb.base, limb.platform_point, limb.axis))
-        vector = o + R @ point - base
-        length = float(np.linalg.norm(vector))
-        along = vector / length
-        axis -= (axis @ along) * along
-        result.append(Limb(limb.rod, base, along, axis / np.linalg.norm(axis), length, point))
-    return result
+    placed = place(mechanism, pose)
+    return [
+        Limb(
+            limb.rod,
+            np.array(limb.base),
+            placed.along[i],
+            placed.about[i],
+            float(placed.lengths[i]),
+            np.array(limb.platform_point),
+        )
+        for i, limb in enumerate(mechanism.limbs)
+    ]
 
 
 def document(mechanism: Mechanism, pose: Pose, limbs: list[Limb], rods: Rods) -> str:
     """Return the MJCF text: the platform (free, its frame at o), then limb after limb."""
-    o, R = position(mechanism, pose), pose.rotation
+    placed = place(mechanism, pose)
+    o, R = placed.centre, placed.rotation
     tips = (
         f'<site name="A{i}" pos="{text(limb.point)}"/>'
         + (f'<body pos="{text(limb.point)}">{inertial(mass, 0.0)}</body>' if mass else "")

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from analytic.mechanism import Material, Mechanism, Platform
 from analytic.modes import STATIONS, check_count
-from analytic.pose import Pose, position
-from reference_models.exudyn_system import Axis, rod_axes
+from analytic.pose import Pose
+from reference_models.exudyn.system import Axis, rod_axes
+from reference_models.placement import place
 from reference_models.protocol import ModelError
-from reference_models.rod_mesh import RodMesh
+from reference_models.solid.rod_mesh import RodMesh
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -114,11 +115,12 @@ def write(
     Raises `InputError` for a pose out of reach or more modes than coordinates, and `ModelError`
     for a platform whose inertia no body has.
     """
-    o, R = position(mechanism, pose), pose.rotation
+    placed = place(mechanism, pose)
+    o, R = placed.centre, placed.rotation
     deck = Writer()
     rods = [
         _add_rod(deck, f"ROD{i}", axis, mesh(axis), kind)
-        for i, axis in enumerate(rod_axes(mechanism, o, R))
+        for i, axis in enumerate(rod_axes(mechanism, placed))
     ]
     # The platform's six coordinates beside those of the rods.
     check_count(count, 6 + sum(rod.coordinates for rod in rods))

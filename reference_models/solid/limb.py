@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError
 from analytic.errors import count as whole
-from analytic.kinematics import Limbs, limbs_at
-from analytic.limb_table import DIRECTIONS, OCTAVES, Columns, LimbTable
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
+from reference_models.placement import Placement, place
+from reference_models.solid.table import DIRECTIONS, OCTAVES, Columns, LimbTable
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class SolidLimb:
         they hold no longer. The mesh's own error is not in it.
         """
         relative = np.zeros_like(frequencies)
-        lengths = limbs_at(mechanism, poses).lengths
+        lengths = place(mechanism, poses).lengths
         for i, limb in enumerate(mechanism.limbs):
             rod = limb.rod
             octaves = octaves_of(lengths[..., i] / rod.diameter)
@@ -111,10 +111,10 @@ class SolidLimb:
 
     def _problem(self, mechanism: Mechanism, poses: Pose) -> "Problem":
         """Return the eigenproblem at N poses, its mass made the identity."""
-        limbs = limbs_at(mechanism, poses)
+        limbs = place(mechanism, poses)
         columns, owner = self._columns(mechanism, limbs.lengths)
         a = directions(limbs)
-        M = platform_masses(mechanism, poses) + (a * columns.Q[..., None]).swapaxes(1, 2) @ a
+        M = platform_masses(mechanism, limbs) + (a * columns.Q[..., None]).swapaxes(1, 2) @ a
         root = np.asarray(np.linalg.cholesky(M), dtype=float)
         turned = np.linalg.solve(root, a.swapaxes(1, 2)).swapaxes(1, 2)
         size = 6 + len(owner)
@@ -155,7 +155,7 @@ class Problem:
     matrix: Array
     root: Array
     vectors: Array
-    limbs: Limbs
+    limbs: Placement
     columns: Columns
     owner: NDArray[np.intp]
 
@@ -176,16 +176,16 @@ class Problem:
         return U.T, np.einsum("ndsk,ncd->knsc", local, frames)
 
 
-def directions(limbs: Limbs) -> Array:
+def directions(limbs: Placement) -> Array:
     """Return a_k, (N, 3 n, 6): a limb's tip moves a_k . U along its k-th axis, U at o."""
     axes = limbs.frames.swapaxes(-1, -2)
     moments = np.cross(limbs.arms[..., None, :], axes)
     return np.concatenate([axes, moments], axis=-1).reshape(len(axes), -1, 6)
 
 
-def platform_masses(mechanism: Mechanism, poses: Pose) -> Array:
+def platform_masses(mechanism: Mechanism, placed: Placement) -> Array:
     """Return M_p about o in global axes, Eqs. (7)-(9), at N poses, shape (N, 6, 6)."""
-    R = poses.rotation
+    R = placed.rotation
     M = np.zeros((len(R), 6, 6))
     M[:, :3, :3] = mechanism.platform.mass * np.eye(3)
     M[:, 3:, 3:] = R @ np.array(mechanism.platform.inertia) @ R.swapaxes(-1, -2)

@@ -7,7 +7,7 @@ as the spherical joint leaves it unloaded, no torsion.
 
 import numpy as np
 
-from reference_models.mujoco_rig import Limb, Rods, inertial, text
+from reference_models.mujoco.rig import Limb, Rods, inertial, text
 
 THEORY = "Euler-Bernoulli"
 LIMIT = "euler-bernoulli"

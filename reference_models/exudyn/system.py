@@ -18,7 +18,8 @@ from analytic.errors import InputError
 from analytic.mechanism import Mechanism, Platform, Rod
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes
-from analytic.pose import Pose, position
+from analytic.pose import Pose
+from reference_models.placement import Placement, place
 from reference_models.projection import constrained_modes
 from reference_models.protocol import ModelError, UnavailableError, check_closure
 
@@ -124,8 +125,8 @@ def run(
         raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
     exu = load()
     begin = time.perf_counter()
-    o, R = position(mechanism, pose), pose.rotation
-    axes = rod_axes(mechanism, o, R)
+    placed = place(mechanism, pose)
+    o, R, axes = placed.centre, placed.rotation, rod_axes(mechanism, placed)
     with system(exu, name) as mbs:
         node, body = add_platform(exu, mbs, mechanism.platform, o, R)
         lines = [add_rod(exu, mbs, axis) for axis in axes]
@@ -156,19 +157,14 @@ def run(
     )
 
 
-def rod_axes(mechanism: Mechanism, o: Array, R: Array) -> list[Axis]:
-    """Return where every rod is, for o [m] and the platform's rotation R, both global."""
+def rod_axes(mechanism: Mechanism, placed: Placement) -> list[Axis]:
+    """Return where every rod is, in the simulators' own placement."""
     result = []
-    for limb in mechanism.limbs:
-        base = np.array(limb.base)
-        tip = o + R @ np.array(limb.platform_point)
-        length = float(np.linalg.norm(tip - base))
-        along = (tip - base) / length
-        # The pose puts the rod square to the revolute axis within rounding; the frame is exact.
-        about = np.array(limb.axis) - along * (along @ np.array(limb.axis))
-        about /= np.linalg.norm(about)
+    for i, limb in enumerate(mechanism.limbs):
+        along, about = placed.along[i], placed.about[i]
         frame = np.stack([along, about, np.cross(along, about)], axis=1)
-        result.append(Axis(limb.rod, base, tip, frame, length))
+        base, length = np.array(limb.base), float(placed.lengths[i])
+        result.append(Axis(limb.rod, base, placed.tips[i], frame, length))
     return result
 
 

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from reference_models.solid_rod import FAMILIES, SolidRod
+from reference_models.solid.rod import FAMILIES, SolidRod
 
 Array = NDArray[np.float64]
 Field = tuple[tuple[int, int, float], ...]

@@ -12,11 +12,11 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.calculix_deck import Deck, write
-from reference_models.calculix_run import MISSING, NAME, Answer, program, run, version
-from reference_models.exudyn_system import Axis
+from reference_models.exudyn.system import Axis
 from reference_models.protocol import ModelError, UnavailableError, check_closure
-from reference_models.rod_mesh import RodMesh
+from reference_models.solid.calculix_deck import Deck, write
+from reference_models.solid.calculix_run import MISSING, NAME, Answer, program, run, version
+from reference_models.solid.rod_mesh import RodMesh
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
-from reference_models.solid_faces import Held
+from reference_models.solid.faces import Held
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models import mujoco_composite, mujoco_flex, mujoco_system
-from reference_models.mujoco_rig import Limb, Rods
+from reference_models.mujoco import composite, flex, system
+from reference_models.mujoco.rig import Limb, Rods
 
 NAME = "mujoco-cable"
 
@@ -39,19 +39,19 @@ class MujocoCable:
         return Info(
             rods.THEORY,
             "MuJoCo",
-            mujoco_system.installed(),
+            system.installed(),
             rods.ORDER,
             rods.REFINEMENTS,
             remark=rods.REMARK,
-            missing=mujoco_system.missing(),
+            missing=system.missing(),
             torsion=rods.TORSION,
             limit=rods.LIMIT,
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose; raises as `mujoco_system.run`."""
+        """Return the `count` lowest modes at one pose; raises as `system.run`."""
         theory: str = _kind().THEORY
-        return mujoco_system.run(
+        return system.run(
             NAME, theory, self.elements, self._rods, _stiffness, mechanism, pose, count
         )
 
@@ -61,11 +61,11 @@ class MujocoCable:
 
 
 def _kind() -> ModuleType:
-    is_3 = mujoco_system.release(mujoco_system.installed())[:1] == (3,)
-    return mujoco_composite if is_3 else mujoco_flex
+    is_3 = system.release(system.installed())[:1] == (3,)
+    return composite if is_3 else flex
 
 
 def _stiffness(model: Any, data: Any, limbs: list[Limb]) -> NDArray[np.float64]:
-    from reference_models import mujoco_linearise as mj
+    from reference_models.mujoco import linearise as mj
 
     return mj.stiffness(model, data, len(limbs), mj.STEP * min(limb.length for limb in limbs))

@@ -18,12 +18,13 @@ from analytic.errors import count as whole
 from analytic.mechanism import Limb, Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose, position
-from reference_models.ngsolve_mesh import LARGEST_ORDER, load, solid_rod
+from analytic.pose import Pose
+from reference_models.placement import Placement, place
 from reference_models.protocol import ModelError, UnavailableError, check_closure
-from reference_models.solid_faces import FACES, Held, check_faces, hold
-from reference_models.solid_reduction import PARTS, Statics, statics
-from reference_models.solid_rod import FAMILIES, SLENDERNESS
+from reference_models.solid.faces import FACES, Held, check_faces, hold
+from reference_models.solid.ngsolve_mesh import LARGEST_ORDER, load, solid_rod
+from reference_models.solid.reduction import PARTS, Statics, statics
+from reference_models.solid.rod import FAMILIES, SLENDERNESS
 
 Array = NDArray[np.float64]
 
@@ -107,8 +108,9 @@ class NgsolveSolid:
             raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
         version = load().__version__
         begin = time.perf_counter()
-        o, R = position(mechanism, pose), pose.rotation
-        limbs = [_place(self, limb, o, R) for limb in mechanism.limbs]
+        placed = place(mechanism, pose)
+        R = placed.rotation
+        limbs = [_place(self, limb, placed, i) for i, limb in enumerate(mechanism.limbs)]
         residual = check_closure(NAME, max(limb.gap for limb in limbs))
         M = np.zeros((6, 6))
         M[:3, :3] = mechanism.platform.mass * np.eye(3)
@@ -182,20 +184,14 @@ class Placed:
     gap: float
 
 
-def _place(model: NgsolveSolid, limb: Limb, o: Array, R: Array) -> Placed:
-    """Return a limb between its joints, for o [m] and the platform's rotation R, both global."""
+def _place(model: NgsolveSolid, limb: Limb, placed: Placement, i: int) -> Placed:
+    """Return limb `i` between its joints."""
     base, rod = np.array(limb.base), limb.rod
-    arm = R @ np.array(limb.platform_point)
-    span = o + arm - base
-    length = float(np.linalg.norm(span))
-    z = span / length
-    y = np.array(limb.axis) - (z @ np.array(limb.axis)) * z
-    y /= np.linalg.norm(y)
-    frame = np.stack([np.cross(y, z), y, z], axis=1)
+    frame, arm, length = placed.frames[i], placed.arms[i], float(placed.lengths[i])
     d, E, rho = rod.diameter, rod.material.young, rod.material.density
     # Rounded, so that lengths equal but for rounding share what follows; the gap shows by how much.
     stretch = float(f"{length / (d * SLENDERNESS):.12g}")
-    gap = float(np.linalg.norm(base + stretch * SLENDERNESS * d * frame[:, 2] - (o + arm)))
+    gap = float(np.linalg.norm(base + stretch * SLENDERNESS * d * frame[:, 2] - placed.tips[i]))
     settings = (rod.material.poisson, model.elements, model.order, model.faces)
     held, known = held_rods(*settings), _statics(*settings, stretch)
     parts = []

@@ -3,16 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.limb_table import (
+from reference_models.solid.faces import Held
+from reference_models.solid.reduction import PARTS, Spectrum, spectrum
+from reference_models.solid.rod import FAMILIES, SLENDERNESS
+from reference_models.solid.table import (
     LimbTable,
     coefficients,
     frequency_units,
     nodes,
     stiffness_units,
 )
-from reference_models.solid_faces import Held
-from reference_models.solid_reduction import PARTS, Spectrum, spectrum
-from reference_models.solid_rod import FAMILIES, SLENDERNESS
 
 Array = NDArray[np.float64]
 

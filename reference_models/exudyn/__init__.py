@@ -1,0 +1,1 @@
+"""The mechanism in Exudyn: beams, cables and reduced solids between ideal joints."""

@@ -1,0 +1,1 @@
+"""The mechanism in MuJoCo: discrete elastic rods, and chains of rigid segments."""

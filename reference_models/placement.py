@@ -1,0 +1,92 @@
+"""Where the platform and the limbs are: the simulators' own geometry, shared with no other model.
+
+The analytic model has Eqs. (1)-(3) of its own: a slip in either of the two shows as a disagreement.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.errors import InputError
+from analytic.mechanism import Mechanism
+from analytic.pose import Pose
+
+Array = NDArray[np.float64]
+GAP = 1e-9
+"""Largest distance of A_i from its revolute joint's plane, relative to the limb's length."""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """The mechanism at poses of shape (...), of n limbs; all in global axes.
+
+    Attributes: `centre` o (..., 3) [m]; `rotation` of the platform (..., 3, 3); `arms` from o to
+    A_i (..., n, 3); `tips` A_i (..., n, 3); `along`, unit vectors from B_i to A_i, and `about`, the
+    revolute axes as given but for rounding, square to them, (..., n, 3); `lengths` (..., n) [m].
+    """
+
+    centre: Array
+    rotation: Array
+    arms: Array
+    tips: Array
+    along: Array
+    about: Array
+    lengths: Array
+
+    @property
+    def frames(self) -> Array:
+        """Limb frames (..., n, 3, 3): columns x, y (the revolute axis) and z (along the limb)."""
+        return np.stack([np.cross(self.about, self.along), self.about, self.along], axis=-1)
+
+
+def place(mechanism: Mechanism, pose: Pose) -> Placement:
+    """Return where everything is at one pose or many.
+
+    The platform is turned by `tilt` about the axis in the base plane at right angles to `azimuth`:
+    three elementary rotations. Its x and y follow from the joints: every A_i stays in the plane
+    through B_i square to the revolute axis as given, by least squares. Raises `InputError` naming
+    the limb and the gap where one does not.
+    """
+    turn = _about_z(pose.azimuth)
+    rotation = turn @ _about_y(pose.tilt) @ turn.swapaxes(-1, -2)
+    bases = np.array([limb.base for limb in mechanism.limbs])
+    axes = np.array([limb.axis for limb in mechanism.limbs])
+    points = np.array([limb.platform_point for limb in mechanism.limbs])
+    arms = (rotation @ points.T).swapaxes(-1, -2)
+    z = np.asarray(pose.z, dtype=float)[..., None]
+    # e_x x + e_y y = e . (B - arm) - e_z z for every limb
+    wanted = ((bases - arms) * axes).sum(axis=-1) - axes[:, 2] * z
+    flat = wanted.reshape(-1, len(axes))
+    across = np.linalg.lstsq(axes[:, :2], flat.T, rcond=1e-9)[0].T.reshape(*z.shape[:-1], 2)
+    centre = np.concatenate([across, z], axis=-1)
+    tips = centre[..., None, :] + arms
+    spans = tips - bases
+    lengths = np.linalg.norm(spans, axis=-1)
+    gaps = np.abs((spans * axes).sum(axis=-1))
+    bad = ~(gaps <= GAP * np.maximum(lengths, np.finfo(float).tiny))
+    if bad.any():
+        *where, limb = np.argwhere(bad)[0].tolist()
+        gap = float(gaps[(*where, limb)])
+        expected = f"joints that close, but A_{limb + 1} is {gap:.1e} m beside its revolute joint"
+        raise InputError("pose", pose[tuple(where)] if where else pose, expected)
+    along = spans / lengths[..., None]
+    about = axes - along * (along * axes).sum(axis=-1, keepdims=True)
+    about /= np.linalg.norm(about, axis=-1, keepdims=True)
+    return Placement(centre, rotation, arms, tips, along, about, lengths)
+
+
+def _about_z(angle: object) -> Array:
+    c, s = np.cos(angle), np.sin(angle)  # type: ignore[call-overload]
+    o, i = np.zeros_like(c), np.ones_like(c)
+    return _matrix([[c, -s, o], [s, c, o], [o, o, i]])
+
+
+def _about_y(angle: object) -> Array:
+    c, s = np.cos(angle), np.sin(angle)  # type: ignore[call-overload]
+    o, i = np.zeros_like(c), np.ones_like(c)
+    return _matrix([[c, o, s], [o, i, o], [-s, o, c]])
+
+
+def _matrix(rows: list[list[Array]]) -> Array:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
