@@ -17,6 +17,25 @@ SOLIDS = ("calculix-solid", "ngsolve-solid")
 """What can stand for three-dimensional truth, the first that can run here."""
 QUICK = {"calculix-solid": (4, 8)}
 """Meshes that take a tenth of the time of a model's own two."""
+GATE_MAP = (
+    Named("timoshenko", None), Named("euler-bernoulli", 3), Named("exudyn-cable", 8),
+    Named("exudyn-beam", 12), Named("mujoco-cable", 8), Named("condensed", 3),
+    Named("condensed", None),
+)  # fmt: skip
+"""What the gate solves at every pose of its map of the workspace."""
+GATE_MORE = (Named("multipliers", 3), Named("condensed", 3), Named("condensed", None))
+"""What the gate solves at its cases beside ladders, exact models and extrapolated ones."""
+PAPER_MODEL = Named("euler-bernoulli", PAPER_ELEMENTS)
+TWINS = (
+    (PAPER_MODEL, Named("euler-bernoulli", 3, (("solver", "sparse"),))),
+    (PAPER_MODEL, Named("multipliers", 3)),
+    (PAPER_MODEL, Named("multipliers", 3, (("solver", "saddle-point"),))),
+    (PAPER_MODEL, Named("condensed", 3)),
+    (Named("euler-bernoulli", None), Named("condensed", None)),
+)
+"""The same equations, put together or solved in another way: equal but for rounding."""
+CONFORMING = ("euler-bernoulli", "rayleigh", "multipliers")
+"""Models whose elements can only stiffen: none of their frequencies is below the exact one."""
 DEFAULTS = {"references": STAND_IN, "modes": "1-6"}
 """Texts of arguments that are left out."""
 

@@ -1,0 +1,199 @@
+"""What a check compares: frequencies, what each mode looks like, mode counts, orders, versions."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import Modes
+from analytic.pairing import pair
+from harness.bench import SPARE, Bench, Study, label
+from harness.cases import Case
+from harness.gate.plan import MODES, Checked
+from harness.rows import GATE, mechanism_hash
+from harness.studies.refinement import MESHES, verify
+from harness.workers import Failure
+from reference_models import Named
+
+Key = tuple[str, str, int]
+"""Case (or pose of the map), model's label, mode from 1. Orders: model's name."""
+Place = tuple[str, str]
+ANCHOR = Named("timoshenko", 4)
+"""The model whose modes say what a mode looks like: solved anew in every check."""
+APART = 1.001
+"""Neighbours this far apart, as a ratio, can be counted between."""
+
+
+@dataclass(frozen=True)
+class Shaped:
+    """One mode: its `frequency` [Hz], the `partner` it looks like among the anchor's modes (from
+    1) and their `assurance`; `likeness` with every one of the anchor's modes, where just measured.
+    """
+
+    frequency: float
+    partner: int
+    assurance: float
+    likeness: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Count:
+    """How many modes lie below `cut` [Hz]; `spectrum`: the frequencies, where just measured."""
+
+    cut: float
+    number: int
+    spectrum: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Order:
+    """An observed order `p` from `frequencies` [Hz] on `elements` a limb; the `formal` one."""
+
+    p: float
+    elements: tuple[int, ...]
+    frequencies: tuple[float, ...]
+    labels: tuple[str, ...]
+    formal: float
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a model assumes, and the program behind it."""
+
+    theory: str
+    version: str
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Everything that is compared, by where it belongs.
+
+    Attributes: `modes`, `uncertainties` [Hz] of models that state them, `counts`, `orders`;
+    `sources` by label; `mechanisms`, their hashes, by case. Only where just measured: `found`, by
+    place, the assurance with which each of the anchor's modes is among the model's; `limits`, by
+    label, what the exact model of the same theory is called.
+    """
+
+    modes: dict[Key, Shaped] = field(default_factory=dict)
+    uncertainties: dict[Key, float] = field(default_factory=dict)
+    counts: dict[Place, Count] = field(default_factory=dict)
+    orders: dict[Key, Order] = field(default_factory=dict)
+    sources: dict[str, Source] = field(default_factory=dict)
+    mechanisms: dict[str, str] = field(default_factory=dict)
+    found: dict[Place, NDArray[np.float64]] = field(default_factory=dict)
+    limits: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def places(self) -> dict[Place, None]:
+        """Where modes were measured, in order."""
+        return dict.fromkeys((case, model) for case, model, _ in self.modes)
+
+    def updated(self, newer: "Measured") -> "Measured":
+        """Return these figures with those of `newer` in their place."""
+        gone = set(newer.sources)  # a model measured again leaves nothing old behind
+        return Measured(
+            {k: v for k, v in self.modes.items() if k[1] not in gone} | newer.modes,
+            {k: v for k, v in self.uncertainties.items() if k[1] not in gone} | newer.uncertainties,
+            {k: v for k, v in self.counts.items() if k[1] not in gone} | newer.counts,
+            {k: v for k, v in self.orders.items() if not gone & {*v.labels}} | newer.orders,
+            self.sources | newer.sources,
+            self.mechanisms | newer.mechanisms,
+        )
+
+    def without(self, labels: set[str]) -> "Measured":
+        """Return these figures without those of the models called `labels`."""
+        return Measured(
+            {k: v for k, v in self.modes.items() if k[1] not in labels},
+            {k: v for k, v in self.uncertainties.items() if k[1] not in labels},
+            {k: v for k, v in self.counts.items() if k[1] not in labels},
+            {k: v for k, v in self.orders.items() if not labels & {*v.labels}},
+            {k: v for k, v in self.sources.items() if k not in labels},
+            self.mechanisms,
+        )
+
+
+def measure(checked: Checked, bench: Bench) -> Measured:
+    """Return what a check compares, out of all that was solved."""
+    result = Measured()
+    for study in checked.studies:
+        for case in study.cases if study.models else ():
+            own = case.mechanism, case.pose
+            anchor = bench.solve(ANCHOR, *own, study.count + SPARE)
+            if isinstance(anchor, Failure):
+                continue
+            for model in study.models:
+                modes = study.get(case, model)
+                if modes is not None:
+                    _add(result, study.count, case, label(model), modes, anchor)
+    for model in (*checked.plan.everywhere, *checked.plan.mapped):
+        limit = model.limit()
+        if limit is not None and limit != model:
+            result.limits[label(model)] = label(limit)
+    for study, name in ((checked.cases, ""), (checked.workspace, GATE)):
+        for case, _ in study.answers:
+            result.mechanisms[name or case.name] = mechanism_hash(case.mechanism)
+    for ladder in checked.plan.ladders:
+        if len(ladder) >= MESHES:
+            _orders(result, checked.cases, ladder)
+    return result
+
+
+def _add(
+    result: Measured, count: int, case: Case, model: str, modes: Modes, anchor: Modes
+) -> None:  # fmt: skip
+    where = case.name, model
+    result.sources[model] = Source(modes.theory, modes.version)
+    seen = pair(modes.first(count), anchor, case.mechanism, case.pose)
+    for i in range(count):
+        partner, like = int(seen.partner[i]), seen.matrix[i]
+        shaped = Shaped(float(modes.frequencies[i]), partner + 1, float(like[partner]), like)
+        result.modes[*where, i + 1] = shaped
+        if modes.uncertainty is not None:
+            result.uncertainties[*where, i + 1] = float(modes.uncertainty[i])
+    result.counts[where] = counted(modes.frequencies, count)
+    back = pair(anchor.first(count), modes, case.mechanism, case.pose)
+    result.found[where] = back.assurance
+
+
+def counted(f: NDArray[np.float64], count: int) -> Count:
+    """Return a cut where there is most room: above the last of `count` modes, or one further.
+
+    Where neither has room (`APART`), the widest gap from the fourth mode on.
+    """
+    gaps = np.divide(f[1:], f[:-1], out=np.ones(len(f) - 1), where=f[:-1] > 0)
+    gaps[: count - 1] = np.where(
+        gaps[count - 1 :].max(initial=0.0) < APART, gaps[: count - 1], 0.0
+    )  # fmt: skip
+    gaps[:2] = 0.0
+    number = 1 + int(gaps.argmax())
+    return Count(float(np.sqrt(f[number - 1] * f[number])), number, f)
+
+
+def _orders(result: Measured, study: Study, ladder: Sequence[Named]) -> None:
+    last = ladder[-MESHES:]
+    elements = tuple(n for model in last if isinstance(n := model.elements, int))
+    labels, formal = tuple(map(label, last)), ladder[0].info().order
+    for case in study.complete(*last):
+        for i in range(1, study.count + 1):
+            values = followed(result.modes, case.name, labels, i)
+            seen = verify(elements, values, formal)
+            if np.isfinite(seen.order):
+                order = Order(seen.order, elements, values, labels, formal)
+                result.orders[case.name, ladder[0].name, i] = order
+
+
+def followed(
+    modes: Mapping[Key, Shaped], case: str, labels: Sequence[str], mode: int
+) -> tuple[float, ...]:
+    """Return the frequency of `mode` of the last of `labels` in each of them, by its shape.
+
+    Where a coarse mesh has no such mode among those compared, by its number.
+    """
+    partner = modes[case, labels[-1], mode].partner
+    found = []
+    for one in labels:
+        numbered = (modes.get((case, one, i)) for i in range(1, MODES + 1))
+        alike = [shaped.frequency for shaped in numbered if shaped and shaped.partner == partner]
+        found.append(alike[0] if alike else modes[case, one, mode].frequency)
+    return tuple(found)

@@ -1,0 +1,193 @@
+"""What a check runs: every model of the catalogue on its ladder of meshes, and a small map."""
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import InputError, Limits, Mechanism, Pose, regular_workspace
+from analytic.model import Model
+from harness.bench import Bench, Study, label
+from harness.cases import Case
+from harness.gate.yardstick import yardstick, yardstick_row
+from harness.presets import GATE_MAP, GATE_MORE
+from harness.rows import GATE
+from harness.workers import Failure, attempt
+from reference_models import Named, catalogue
+
+MODES = 6
+LAYERS, HEIGHT = (0.35, 0.49, 0.7), 0.49
+"""Heights of the map [m] where the first case is at `HEIGHT`; in proportion elsewhere."""
+AROUND, TILTS = 4, 3
+"""Azimuths of the map for each limb, so that every one's turns by a limb are among them; tilts."""
+NOT_ASKED = "not asked for"
+_SHORTEST, _LONGEST = Limits().length_min, Limits().length_max
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is solved.
+
+    Attributes: `ladders`, each one model on ascending meshes, and `singles`, at `cases`; `mapped`
+    at every pose of the workspace `poses`; `skipped`, by name, models that are left out and why;
+    `notes` in words.
+    """
+
+    cases: tuple[Case, ...]
+    ladders: tuple[tuple[Named, ...], ...]
+    singles: tuple[Named, ...]
+    mapped: tuple[Named, ...]
+    poses: tuple[Case, ...]
+    skipped: Mapping[str, str]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def everywhere(self) -> tuple[Named, ...]:
+        """Every model that is solved at the cases."""
+        return tuple(dict.fromkeys((*(m for rungs in self.ladders for m in rungs), *self.singles)))
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What a model gave for the whole map in one call: `table` (poses, MODES) [Hz], time a pose."""
+
+    table: NDArray[np.float64]
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a plan gave: modes at the `cases`, modes over the `workspace`, `batches` by model.
+
+    `failures` of batches, by model; tidy `rows` for the history.
+    """
+
+    plan: Plan
+    cases: Study
+    workspace: Study
+    batches: Mapping[Model, Batch]
+    failures: Mapping[Model, str]
+    rows: list[dict[str, Any]]
+
+    @property
+    def studies(self) -> tuple[Study, Study]:
+        """Cases and map."""
+        return self.cases, self.workspace
+
+
+def standard(
+    cases: Sequence[Case], names: Collection[str] | None = None, *, quick: bool = False
+) -> Plan:
+    """Return the standard study at `cases`: of the models called `names` only, if given.
+
+    `quick`: without models that take a second a pose. What cannot run here is left out. Raises
+    `InputError` for a name that no model has.
+    """
+    known = dict(catalogue())
+    for name in names or ():
+        if name not in known:
+            raise InputError("models", name, f"some of {', '.join(known)}")
+    skipped = {}
+    for name, info in known.items():
+        if info.missing:
+            skipped[name] = f"cannot run here: {info.missing}"
+        if (names is not None and name not in names) or (quick and info.slow):
+            skipped[name] = NOT_ASKED
+    chosen = {name: info for name, info in known.items() if name not in skipped}
+    ladders = tuple(tuple(Named(name, n) for n in one.ladder) for name, one in chosen.items())
+    singles = [Named(name, None) for name, info in chosen.items() if info.limit == name]
+    singles += [Named(name, one.refinements) for name, one in chosen.items() if one.refinements]
+    singles += [model for model in GATE_MORE if model.name in chosen]
+    mapped = tuple(model for model in GATE_MAP if model.name in chosen)
+    poses, notes = (), ()
+    try:
+        poses = workspace_cases(cases[0].mechanism, cases[0].pose.z)
+    except InputError as error:
+        notes = (f"no map of the workspace: {error}",)
+    return Plan(tuple(cases), ladders, tuple(singles), mapped, poses, skipped, notes)
+
+
+@cache
+def workspace_cases(mechanism: Mechanism, z: float) -> tuple[Case, ...]:
+    """Return the poses of the map: `LAYERS` x azimuths x `TILTS` from level to each rim.
+
+    Layers and the limits of the limbs' lengths are those of the paper, in proportion to `z`.
+    Raises `InputError` where a layer is out of reach.
+    """
+    scale = z / HEIGHT
+    limits = Limits(_SHORTEST * scale, _LONGEST * scale)
+    region = regular_workspace(mechanism, [scale * layer for layer in LAYERS], limits)
+    grid = region.grid(AROUND * len(mechanism.limbs), TILTS)
+    flat = [np.broadcast_to(x, grid.shape).ravel() for x in (grid.z, grid.azimuth, grid.tilt)]
+    return tuple(
+        Case(_place(pose), mechanism, pose, "regular workspace") for pose in Pose(*flat)
+    )
+
+
+def _place(pose: Pose) -> str:
+    """Return what a pose of the map is called: its coordinates."""
+    phi, theta = np.degrees([pose.azimuth, pose.tilt])
+    return f"{GATE} z={1000 * pose.z:g} mm, phi={phi:.6g} deg, theta={theta:.4f} deg"
+
+
+def group(case: str) -> str:
+    """Return what a case is called where all poses of the map are one."""
+    return GATE if case.startswith(f"{GATE} z=") else case
+
+
+def solve(plan: Plan, bench: Bench) -> Checked:
+    """Solve everything in the plan, with the yardstick before, between and after."""
+    machine = [yardstick()]
+    cases = bench.run(plan.cases, plan.everywhere, MODES)
+    machine.append(yardstick())
+    workspace = bench.run(plan.poses, plan.mapped, MODES)
+    batches: dict[Model, Batch] = {}
+    failures: dict[Model, str] = {}
+    for model in plan.mapped if plan.poses else ():
+        if not model.info().isolated:  # what runs in this process takes many poses a call
+            found = attempt(BatchTask(model, plan.poses))
+            if isinstance(found, Failure):
+                failures[model] = found.reason
+            else:
+                assert isinstance(found, Batch), "what the task gives"
+                batches[model] = found
+    machine.append(yardstick())
+    rows = cases.rows() + [row | {"case": GATE} for row in workspace.rows()]
+    rows += [_batch_row(model, batch, plan.poses[0]) for model, batch in batches.items()]
+    rows.append(yardstick_row(machine))
+    return Checked(plan, cases, workspace, batches, failures, rows)
+
+
+@dataclass(frozen=True)
+class BatchTask:
+    """The whole map by one model in one call."""
+
+    model: Model
+    cases: tuple[Case, ...]
+
+    def solve(self) -> Batch:
+        """Return the frequencies and the seconds a pose; the tables are made beforehand."""
+        poses = [case.pose for case in self.cases]
+        many = Pose(*(np.array([getattr(p, x) for p in poses]) for x in Pose.__match_args__))
+        mechanism = self.cases[0].mechanism
+        self.model.frequencies(mechanism, many[:2], MODES)
+        began = time.perf_counter()
+        table = self.model.frequencies(mechanism, many, MODES)
+        return Batch(table, (time.perf_counter() - began) / len(poses))
+
+
+def _batch_row(model: Model, batch: Batch, first: Case) -> dict[str, Any]:
+    """Return the row that says how long the model takes for a pose among many."""
+    return {
+        "case": GATE,
+        "model": f"{label(model)}, many poses a call",
+        "mode": 1,
+        "z_m": first.pose.z,
+        "frequency_hz": float(batch.table[0, 0]),
+        "build_s": 0.0,
+        "solve_s": batch.seconds,
+    }

@@ -1,0 +1,158 @@
+"""The accepted figures: values, and tolerances that only tighten.
+
+A tolerance is `FACTOR` times the model's own numerical noise (`harness.gate.equivalents`).
+Accepting takes new values but never a wider tolerance, unless a reason is given and kept.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from harness.bench import Bench, label
+from harness.gate.equivalents import EQUIVALENTS, noise, relative
+from harness.gate.measured import Key, Measured, Shaped
+from harness.gate.plan import Checked, group
+
+FACTOR = 10
+"""Noise is the largest of four deviations; ten times it leaves room for other processors."""
+FLOOR = 1e-12
+"""Least noise, relative: a few thousand roundings."""
+NEAR = 0.5
+"""Noise above this part of a tolerance is a reason to widen it; less is chance among samples."""
+SHAPE = 1e-3
+"""Change of an assurance that is a change of shape: one of 3 % in the shape itself."""
+ORDER = 0.02
+"""Least tolerance of an observed order."""
+BAND = 1e-3
+"""Least tolerance of a stated uncertainty, relative."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why something was accepted that lowers the bar: kept for good."""
+
+    time: str
+    commit: str
+    quantity: str
+    model: str
+    case: str
+    mode: int
+    before: str
+    after: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """What was accepted.
+
+    Attributes: `figures`; by (case, model, mode), all map poses as one case, the measured `noise`
+    and `tolerance`, relative; `timed_since`, by model, the first run whose seconds count;
+    `reasons`.
+    """
+
+    figures: Measured
+    noise: dict[Key, float]
+    tolerance: dict[Key, float]
+    timed_since: dict[str, str] = field(default_factory=dict)
+    reasons: tuple[Reason, ...] = ()
+
+    def allowed(self, key: Key) -> float:
+        """Return the tolerance of a frequency, relative."""
+        case, model, mode = key
+        return self.tolerance[group(case), model, mode]
+
+    def order_tolerance(self, key: Key) -> float:
+        """Return the tolerance of an observed order: that of the frequencies, carried through.
+
+        p = ln((f_2 - f_1) / (f_3 - f_2)) / ln r, so |dp| <= (2 d / |f_2 - f_1| + 2 d /
+        |f_3 - f_2|) / ln r with d the largest error of a frequency.
+        """
+        case, _, mode = key
+        order = self.figures.orders[key]
+        values = np.array(order.frequencies)
+        d = max(self.allowed((case, one, mode)) for one in order.labels) * values[-1]
+        ratio = order.elements[-1] / order.elements[-2]
+        return max(ORDER, float((2 * d / np.abs(np.diff(values))).sum() / np.log(ratio)))
+
+    def uncertainty_tolerance(self, key: Key) -> float:
+        """Return the tolerance of a stated uncertainty, relative: it is a difference of two."""
+        stated, frequency = self.figures.uncertainties[key], self.figures.modes[key].frequency
+        return max(BAND, FACTOR * self.allowed(key) * frequency / max(stated, 1e-300))
+
+
+def measure_noise(checked: Checked, bench: Bench) -> dict[Key, float]:
+    """Return the noise by (case, model, mode), relative: of the map, the largest of all poses.
+
+    A mode's own largest deviation among `EQUIVALENTS`, or the model's root mean square at that
+    case, if that is more: four evaluations may agree by chance.
+    """
+    found: dict[Key, float] = {}
+    for study, equivalents in (
+        (checked.cases, EQUIVALENTS),
+        (checked.workspace, EQUIVALENTS[1::2]),  # every pose is another sample already
+    ):
+        bench.listener.expect(len(study.answers))
+        for (case, model), modes in study.answers.items():
+            frequencies = modes.frequencies[: study.count]
+            own = noise(bench, model, case.mechanism, case.pose, frequencies, equivalents)
+            own = np.maximum(own, np.sqrt((own**2).mean()))
+            for i, value in enumerate(own.tolist()):
+                key = (group(case.name), label(model), i + 1)
+                found[key] = max(found.get(key, 0.0), value)
+            bench.listener.done(f"noise of {label(model)}")
+    return found
+
+
+def tolerances(noise: Mapping[Key, float]) -> dict[Key, float]:
+    """Return what `noise` allows."""
+    return {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
+
+
+def accept(
+    before: Baseline | None,
+    now: Measured,
+    noise: Mapping[Key, float],
+    about: Mapping[str, str],
+    reason: str,
+    reasons: Sequence[Reason] = (),
+    gone: Sequence[str] = (),
+) -> Baseline:
+    """Return the baseline that takes `now`: tolerances the smaller of old and newly measured.
+
+    With a `reason` they widen where noise has come near them (`NEAR`); every one that does is
+    recorded with `about` (time and commit), after `reasons`, those of whatever else was accepted.
+    Models not measured stay as they are, but for those called one of `gone`.
+    """
+    fresh = tolerances(noise)
+    if before is None:
+        return Baseline(now, dict(noise), fresh, {}, tuple(reasons))
+    kept, wider = dict(before.tolerance), []
+    for key, value in fresh.items():
+        old = kept.get(key, value)
+        widen = bool(reason) and value > old and noise[key] > NEAR * old
+        if widen:
+            case, model, mode = key
+            wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
+                                repr(old), repr(value), reason))  # fmt: skip
+        kept[key] = value if widen else min(old, value)
+    # What did not move keeps its value: many small steps must not add up unseen.
+    still = {
+        key: was
+        for key, new in now.modes.items()
+        if (was := before.figures.modes.get(key)) and _same(was, new, before.allowed(key))
+    }
+    lost = set(gone)
+    return Baseline(
+        before.figures.without(lost).updated(replace(now, modes=now.modes | still)),
+        {key: v for key, v in (before.noise | dict(noise)).items() if key[1] not in lost},
+        {key: v for key, v in kept.items() if key[1] not in lost},
+        before.timed_since,
+        (*before.reasons, *reasons, *wider),
+    )
+
+
+def _same(old: Shaped, new: Shaped, allowed: float) -> bool:
+    alike = new.partner == old.partner and abs(new.assurance - old.assurance) < SHAPE
+    return alike and relative(new.frequency, old.frequency) <= allowed

@@ -1,0 +1,273 @@
+"""What is true of the problem itself: limits, the order of theories, massless limbs, counts."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from analytic import Continuum, Material, Modes, limbs_at
+from analytic.pairing import pair
+from analytic.substructure import platform_mass, rigid_arm
+from analytic.theory import Theory
+from harness.bench import Bench, label
+from harness.cases import Case
+from harness.causes import THEORIES
+from harness.gate.equivalents import answer, relative, with_material
+from harness.gate.measured import counted
+from harness.gate.plan import Checked
+from harness.gate.properties import Found, Property, precision, worst
+from harness.presets import CONFORMING
+from harness.studies.refinement import MESHES, WARY, verify
+from reference_models import Named
+
+Floats = NDArray[np.float64]
+LIGHT, STIFF = 1e-9, 1e9
+"""Density of limbs without mass, part of their own; shear coefficient of limbs without shear."""
+BESIDE = 1e-9
+"""How far from a root, relative, modes are counted."""
+
+
+def truths(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """Yield what the models solved in `checked` must meet, whatever they met before."""
+    yield from _limits(checked, bench)
+    yield from _extrapolated(checked, bench)
+    yield from _assumptions(checked, bench)
+    yield from _theories(checked, bench)
+    yield from _massless(checked, bench)
+    yield from _exact_counts(checked)
+    yield from _mesh_counts(checked)
+
+
+def _exact(checked: Checked) -> list[Named]:
+    """Return the models without elements that were solved, of theories with an exact limit."""
+    return [one for one in checked.plan.singles if one.elements is None and one.limit() is not None]
+
+
+def _theory(model: Named) -> Theory:
+    """Return the theory of a model with a limit."""
+    limit = model.limit()
+    assert limit is not None, "asked of models with a limit only"
+    return Theory(limit.name, dict(limit.settings).get("shear", "cowper"))
+
+
+def _limits(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """s -> infinity is the exact model of the theory that is declared.
+
+    That lies below every mesh if the elements are conforming.
+    """
+    study = checked.cases
+    for ladder in checked.plan.ladders:
+        limit = ladder[0].limit()
+        if limit is None or len(ladder) < 2:
+            continue
+        exact = bench.run(study.cases, [limit], study.count)
+        within, above = [], []
+        for case in study.complete(*ladder):
+            modes = exact.first(case, limit)
+            if modes is None:
+                continue
+            f = np.array([_like(modes, study.answers[case, one], case) for one in ladder])
+            value, band = _converged(ladder, f)
+            slack = precision(ladder[-1], case.mechanism, case.pose, study.count)
+            slack = slack + precision(limit, case.mechanism, case.pose, study.count)
+            scale = np.where(modes.frequencies > 0, modes.frequencies, 1.0)
+            within.append((case.name, relative(value, modes.frequencies), band / scale + slack))
+            short = np.maximum(1 - f / scale, 0).max(axis=0) * (modes.frequencies > 0)
+            above.append((case.name, short, slack))
+        name = ladder[0].name
+        yield from worst("s -> infinity is exact", name, within, "the band of the finest mesh")
+        if name in CONFORMING:
+            yield from worst("elements only stiffen", name, above, "rounding")
+
+
+def _like(exact: Modes, modes: Modes, case: Case) -> Floats:
+    """Return the frequencies of `modes` that look like the exact ones, in their order."""
+    partner = pair(exact, modes, case.mechanism, case.pose).partner
+    return np.asarray(modes.frequencies[partner])
+
+
+def _converged(ladder: Sequence[Named], f: Floats) -> tuple[Floats, Floats]:
+    """Return the limits of `f` (meshes, modes) and the half-widths of their bands [Hz].
+
+    Of two meshes by the formal order, with the factor of a band that nothing confirms.
+    """
+    elements = [n for one in ladder if isinstance(n := one.elements, int)]
+    order = ladder[0].info().order
+    if len(ladder) < MESHES:
+        step = (f[-1] - f[-2]) / ((elements[-1] / elements[-2]) ** order - 1)
+        return f[-1] + step, WARY * np.abs(step)
+    seen = [verify(elements, column.tolist(), order) for column in f.T]
+    return np.array([one.limit for one in seen]), np.array([one.gci for one in seen])
+
+
+def _extrapolated(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """What is extrapolated from two meshes lies as near the exact model as it says."""
+    study = checked.cases
+    for model in checked.plan.singles:
+        limit = model.limit()
+        if limit is None or not isinstance(model.elements, tuple):
+            continue
+        exact = bench.run(study.cases, [limit], study.count)
+        found = []
+        for case in study.complete(model):
+            modes, own = exact.first(case, limit), study.answers[case, model]
+            if modes is None or own.uncertainty is None:
+                continue
+            partner = pair(modes, own, case.mechanism, case.pose).partner
+            scale = np.where(modes.frequencies > 0, modes.frequencies, 1.0)
+            slack = precision(model, case.mechanism, case.pose, study.count)
+            off = relative(own.frequencies[partner], modes.frequencies)
+            found.append((case.name, off, own.uncertainty[partner] / scale + slack))
+        yield from worst("extrapolated is exact", label(model), found, "its own uncertainty")
+
+
+def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """Without an assumption that holds something rigid, no frequency is higher."""
+    study = checked.cases
+    for ladder in checked.plan.ladders:
+        model, info = ladder[0], ladder[0].info()
+        if not info.relaxed or info.relaxed in checked.plan.skipped:
+            continue
+        relaxed = Named(info.relaxed, model.elements)
+        found = []
+        for case in study.complete(model):
+            low = answer(bench, relaxed, case.mechanism, case.pose, study.count)
+            if low is not None:
+                f = study.answers[case, model].frequencies[: study.count]
+                bound = precision(model, case.mechanism, case.pose, study.count)
+                found.append((case.name, np.maximum(low / f - 1, 0), bound))
+        yield from worst(f"{info.assumption} only stiffens", label(model), found, "no excess")
+
+
+def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """Euler-Bernoulli > Rayleigh > Timoshenko; without shear Timoshenko is Rayleigh."""
+    study = checked.cases
+    names = [name for name in THEORIES if Named(name, None) in study.models]
+
+    def of(name: str, case: Case) -> Floats:
+        return study.answers[case, Named(name, None)].frequencies[: study.count]
+
+    for stiff, soft in pairwise(names):
+        both = Named(stiff, None), Named(soft, None)
+        found = []
+        for case in study.complete(*both):
+            bound = precision(both[1], case.mechanism, case.pose, study.count)
+            excess = np.maximum(of(soft, case) / of(stiff, case) - 1, 0)
+            found.append((case.name, excess, bound))
+        yield from worst(f"{stiff} above {soft}", label(both[1]), found, "no excess")
+    if names[-2:] != list(THEORIES[-2:]):
+        return
+    without, sheared = (Named(name, None) for name in names[-2:])
+    found = []
+    for case in study.complete(without, sheared):
+        own = case.mechanism, case.pose
+        rigid = answer(bench, Named(sheared.name, None, (("shear", STIFF),)), *own, study.count)
+        assert rigid is not None, "it runs in this process"
+        kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
+        # The effect falls in proportion to 1 / kappa, or faster.
+        effect = 2 * (of(without.name, case) / of(sheared.name, case) - 1) * kappa / STIFF
+        bound = precision(without, *own, study.count) + effect
+        found.append((case.name, relative(rigid, of(without.name, case)), bound))
+    yield from worst(f"kappa -> infinity is {without.name}", label(sheared), found, "1/kappa")
+
+
+def _massless(checked: Checked, bench: Bench) -> Iterator[Property]:
+    """Limbs without mass are springs: a rigid body on them, solved without a beam."""
+    light = with_material(lambda m: Material(m.young, m.shear, LIGHT * m.density))
+    for model in _exact(checked):
+        found: list[Found] = []
+        for case in checked.cases.complete(model):
+            springs, shares = _springs(_theory(model), case)
+            f = answer(bench, model, *light(case.mechanism, case.pose), len(springs))
+            deviation = np.full(len(springs), np.inf) if f is None else relative(f, springs)
+            # By Rayleigh's quotient: a limb moves no more than its end.
+            bound = precision(model, case.mechanism, case.pose, len(springs)) + LIGHT * shares / 2
+            found.append((case.name, deviation, bound))
+        yield from worst("limbs without mass", label(model), found, "the mass left")
+
+
+def _springs(theory: Theory, case: Case) -> tuple[Floats, float]:
+    """Return the platform's frequencies on static limbs (6,) [Hz], and the limbs' share of mass.
+
+    A limb resists along itself, EA / L, and across in the plane of its revolute axis,
+    1 / (L^3 / 3 EI + L / kappa G A).
+    """
+    limbs = limbs_at(case.mechanism, case.pose)
+    M = platform_mass(case.mechanism, case.pose)
+    K, share = np.zeros((6, 6)), 0.0
+    for limb, L, arm, frame in zip(
+        case.mechanism.limbs, limbs.lengths, limbs.arms, limbs.frames, strict=True
+    ):
+        rod, steel = limb.rod, limb.rod.material
+        EI = steel.young * rod.second_moment
+        across = 1 / (L**3 / (3 * EI) + theory.shear_flexibility(rod) * L / (12 * EI))
+        J = rigid_arm(arm)
+        for stiffness, direction in ((steel.young * rod.area / L, 2), (across, 1)):
+            a = J.T @ frame[:, direction]
+            K += stiffness * np.outer(a, a)
+        mass = steel.density * rod.area * L
+        # Rotary inertia at most doubles what a rod's motion weighs here: (d / 4 L)^2 << 1.
+        share += 2 * mass * np.linalg.eigvalsh(J @ np.linalg.solve(M, J.T))[-1]
+    values = scipy.linalg.eigh(K, M, eigvals_only=True)
+    return np.sqrt(np.maximum(values, 0)) / (2 * np.pi), float(share)
+
+
+def _exact_counts(checked: Checked) -> Iterator[Property]:
+    """No mode missing, none too many: Wittrick and Williams count as many as were found."""
+    study = checked.cases
+    for model in _exact(checked):
+        theory, found = _continuum(model), []
+        for case in study.complete(model):
+            f = study.answers[case, model].frequencies[: study.count]
+            number = np.arange(1, study.count + 1)
+            below = np.array([_count(theory, case, one * (1 - BESIDE)) for one in f.tolist()])
+            upto = np.array([_count(theory, case, one * (1 + BESIDE)) for one in f.tolist()])
+            # The k-th mode: fewer than k below it, at least k up to it; free motion has no below.
+            below = np.where(f > 0, below, 0)
+            off = np.maximum(below - (number - 1), np.where(f > 0, number - upto, 0))
+            found.append((case.name, np.maximum(off, 0.0), np.full(study.count, 0.5)))
+        yield from worst("Wittrick-Williams count", label(model), found, "modes")
+
+
+def _mesh_counts(checked: Checked) -> Iterator[Property]:
+    """The finest mesh has as many modes below its widest gap as its theory has."""
+    study = checked.cases
+    for ladder in checked.plan.ladders:
+        model = ladder[-1]
+        if model.limit() is None:
+            continue
+        theory, found = _continuum(model), []
+        for case in study.complete(model):
+            seen = counted(study.answers[case, model].frequencies, study.count)
+            expected = _count(theory, case, seen.cut)
+            if not model.info().torsion:
+                expected -= _twisting(case, seen.cut)
+            off = np.array([abs(expected - seen.number)], dtype=float)
+            found.append((case.name, off, np.array([0.5])))
+        yield from worst("modes counted on the finest mesh", label(model), found, "modes")
+
+
+def _continuum(model: Named) -> Continuum:
+    theory = _theory(model)
+    return Continuum(theory.beam, theory.shear)
+
+
+def _count(theory: Continuum, case: Case, frequency: float) -> int:
+    if frequency <= 0:
+        return 0
+    return theory.count_below(case.mechanism, case.pose, frequency)
+
+
+def _twisting(case: Case, frequency: float) -> int:
+    """Return how many modes of torsion lie below: f = (2 k - 1) / 4 L sqrt(G / rho) of each limb.
+
+    A limb is held against twist by its revolute joint, and by nothing at its spherical one.
+    """
+    lengths = limbs_at(case.mechanism, case.pose).lengths.tolist()
+    steel = [limb.rod.material for limb in case.mechanism.limbs]
+    return sum(
+        int(2 * L * frequency / np.sqrt(m.shear / m.density) + 0.5)
+        for L, m in zip(lengths, steel, strict=True)
+    )
