@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose
 from analytic.substructure import platform_mass
 from analytic.theory import Theory
-from analytic.wittrick_williams import Characteristic, characteristic
+from analytic.wittrick_williams import WIDTH, Characteristic, characteristic
 
 REPEATED = 1e-9
 """Modes whose omega^2 are closer than this, relative, share one eigenspace."""
@@ -49,7 +49,7 @@ class Continuum:
 
     def info(self) -> Info:
         """Return what the model is."""
-        return self.theory.info()
+        return replace(self.theory.info(), precision=2 * WIDTH)  # two certified brackets
 
     def limit(self) -> Continuum:
         """Return this model: it is its own limit."""

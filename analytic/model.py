@@ -30,6 +30,8 @@ class Info:
             is coupled to nothing: a model without it lacks these modes and has all others.
         slow: whether a pose takes about a second or more.
         isolated: whether it must run in a process of its own, since it may crash or hang.
+        precision: how far, relative, two answers to one problem in other words may lie apart:
+            rounding, difference steps and printed digits.
     """
 
     theory: str
@@ -46,6 +48,7 @@ class Info:
     torsion: bool = True
     slow: bool = False
     isolated: bool = True
+    precision: float = 1e-9
 
 
 @runtime_checkable

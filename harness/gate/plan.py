@@ -100,7 +100,12 @@ def standard(
     chosen = {name: info for name, info in known.items() if name not in skipped}
     ladders = tuple(tuple(Named(name, n) for n in one.ladder) for name, one in chosen.items())
     singles = [Named(name, None) for name, info in chosen.items() if info.limit == name]
-    singles += [Named(name, one.refinements) for name, one in chosen.items() if one.refinements]
+    # Of a slow model the meshes themselves are enough.
+    singles += [
+        Named(name, info.refinements)
+        for name, info in chosen.items()
+        if info.refinements is not None and not info.slow
+    ]
     singles += [model for model in GATE_MORE if model.name in chosen]
     mapped = tuple(model for model in GATE_MAP if model.name in chosen)
     poses, notes = (), ()

@@ -81,12 +81,11 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     as many as a sum has terms.
     """
     info = model.info()
-    declared = np.full(count, info.precision)
-    if info.isolated or not isinstance(model.elements, int):
-        return declared
-    matrices = getattr(model.build() if isinstance(model, Named) else model, "matrices", None)
+    built = model.build() if isinstance(model, Named) and not info.isolated else model
+    matrices = getattr(built, "matrices", None)
     if matrices is None:
-        return declared
+        return np.full(count, built.info().precision)
+    assert isinstance(model.elements, int), "matrices are of elements"
     K, M, *constraints = matrices(mechanism, pose)
     if constraints:
         N = null_space(constraints[0])

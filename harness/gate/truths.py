@@ -131,6 +131,8 @@ def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
         if not info.relaxed or info.relaxed in checked.plan.skipped:
             continue
         relaxed = Named(info.relaxed, model.elements)
+        if relaxed.info().program != info.program:
+            continue  # on other meshes
         found = []
         for case in study.complete(model):
             low = answer(bench, relaxed, case.mechanism, case.pose, study.count)

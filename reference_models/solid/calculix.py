@@ -75,6 +75,7 @@ class CalculixSolid:
             remark=remark,
             missing=missing,
             slow=True,
+            precision=2e-6,  # of seven printed digits
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
