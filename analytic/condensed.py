@@ -162,6 +162,7 @@ def condensed_frequencies(
         result[first : first + CHUNK] = lowest(
             known, lengths, vectors, elements, count, loop, torsion=torsion
         )
+    result.sort(axis=1)  # of repeated modes, the order is rounding's
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
 
 

@@ -92,6 +92,7 @@ def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
     tips = shift + np.cross(spin, limbs.arms[None])
     largest = np.abs(modes.limbs).max(axis=(1, 2, 3), initial=0.0)
     largest = np.maximum(largest, np.abs(tips).max(axis=(1, 2)))
+    largest = np.maximum(largest, STILL * largest.max())  # of one that moves neither: rounding
     for what, off in (
         ("limbs leave the platform's points", modes.limbs[:, :, -1] - tips),
         ("limbs leave their bases", modes.limbs[:, :, 0]),
