@@ -87,9 +87,7 @@ def in_units(length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Chang
         body = mechanism.platform
         inertia = mass * length**2 * np.array(body.inertia)
         platform = replace(_with_inertia(body, inertia), mass=mass * body.mass)
-        scaled, _ = with_material(steel)(
-            replace(mechanism, limbs=limbs, platform=platform), pose
-        )
+        scaled, _ = with_material(steel)(replace(mechanism, limbs=limbs, platform=platform), pose)
         return scaled, replace(pose, z=length * pose.z)
 
     return change

@@ -50,7 +50,8 @@ def save(folder: Path, baseline: Baseline) -> list[Path]:
             for key, value in sorted(baseline.tolerance.items())
         ],
         "counts.csv": [
-            (*key, f"{one.cut:.6g}", one.number) for key, one in sorted(now.counts.items(), key=_key)
+            (*key, f"{one.cut:.6g}", one.number)
+            for key, one in sorted(now.counts.items(), key=_key)
         ],
         "orders.csv": [
             (*key, f"{one.p:.6f}", f"{one.formal:g}", " ".join(map(str, one.elements)))

@@ -108,7 +108,8 @@ def standard(
     ]
     singles += [model for model in GATE_MORE if model.name in chosen]
     mapped = tuple(model for model in GATE_MAP if model.name in chosen)
-    poses, notes = (), ()
+    poses: tuple[Case, ...] = ()
+    notes: tuple[str, ...] = ()
     try:
         poses = workspace_cases(cases[0].mechanism, cases[0].pose.z)
     except InputError as error:
@@ -128,9 +129,7 @@ def workspace_cases(mechanism: Mechanism, z: float) -> tuple[Case, ...]:
     region = regular_workspace(mechanism, [scale * layer for layer in LAYERS], limits)
     grid = region.grid(AROUND * len(mechanism.limbs), TILTS)
     flat = [np.broadcast_to(x, grid.shape).ravel() for x in (grid.z, grid.azimuth, grid.tilt)]
-    return tuple(
-        Case(_place(pose), mechanism, pose, "regular workspace") for pose in Pose(*flat)
-    )
+    return tuple(Case(_place(pose), mechanism, pose, "regular workspace") for pose in Pose(*flat))
 
 
 def _place(pose: Pose) -> str:

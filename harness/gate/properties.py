@@ -90,14 +90,15 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     if constraints:
         N = null_space(constraints[0])
         K, M = N.T @ K @ N, N.T @ M @ N
-    K, M = (A.toarray() if scipy.sparse.issparse(A) else np.asarray(A) for A in (K, M))
+    K, M = (np.asarray(A.toarray() if hasattr(A, "toarray") else A) for A in (K, M))
     values, x = scipy.linalg.eigh(K, M, subset_by_index=(0, count - 1))
     y = np.abs(x)
     entries = (y * (np.abs(K) @ y)).sum(axis=0) + values * (y * (np.abs(M) @ y)).sum(axis=0)
     mass = (x * (M @ x)).sum(axis=0)
     terms = 6 * (model.elements + 1)
     with np.errstate(divide="ignore"):
-        return np.abs(terms * np.finfo(float).eps * entries / (2 * values * mass))
+        bound = np.abs(terms * np.finfo(float).eps * entries / (2 * values * mass))
+    return np.asarray(bound)
 
 
 def _equivalents(checked: Checked, bench: Bench) -> Iterator[Property]:

@@ -155,4 +155,4 @@ def accept(
 
 def _same(old: Shaped, new: Shaped, allowed: float) -> bool:
     alike = new.partner == old.partner and abs(new.assurance - old.assurance) < SHAPE
-    return alike and relative(new.frequency, old.frequency) <= allowed
+    return alike and bool(relative(new.frequency, old.frequency) <= allowed)

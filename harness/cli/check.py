@@ -1,0 +1,193 @@
+"""`rps-bench check`: the gate. What moved since the accepted figures, and what must always hold."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import click
+
+from harness.cli import flags
+from harness.cli.terminal import Bar, show_tables
+
+if TYPE_CHECKING:
+    from harness.bench import Bench
+    from harness.gate.plan import Checked, Plan
+    from harness.gate.ratchet import Baseline
+    from harness.gate.report import Report
+    from harness.gate.timing_watch import Timing
+
+BASELINE = "results/accepted/baseline"
+STEM = "check"
+SUFFIXES = {"json": "json", "markdown": "md", "junit": "xml"}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a check is asked for: the `plan`, where the baseline is (None: nowhere) and what it is.
+
+    `baseline` is None where there is none.
+    """
+
+    plan: "Plan"
+    folder: Path | None
+    baseline: "Baseline | None"
+
+
+@click.command()
+@flags.option("case_file", *flags.FLAGS["case_file"])
+@flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE} without "
+              "--case-file, where a folder of your own is needed.")  # fmt: skip
+@flags.option("models", "A,B", "These models only, by name.")
+@click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose.")
+@flags.option("compare", "A,B",
+              "Instead: --models in environments A and B, as in mujoco==3.17.0.")  # fmt: skip
+@flags.output()
+@flags.option("json", "FILE", "Everything, for programs.")
+@flags.option("markdown", "FILE", "A summary as GitHub-flavoured Markdown.")
+@flags.option("junit", "FILE", "JUnit XML.")
+@flags.history()
+@flags.time_limit()
+def check(
+    case_file: str | None,
+    baseline: str | None,
+    models: str | None,
+    quick: bool,
+    compare: str | None,
+    output: Path | None,
+    history: Path | None,
+    time_limit: float,
+    **files: str | None,
+) -> int:
+    """Compare with the accepted figures; exit status 1 if anything moved.
+
+    Solves both cases and a map of the workspace by every model that runs here; compares
+    frequencies, shapes, mode counts, orders and seconds with the baseline; and checks what needs
+    none: symmetries, units, limits, agreement. `rps-bench accept` takes what was found.
+    """
+    from harness.bench import Bench
+
+    if compare is not None:
+        from analytic import InputError
+
+        if case_file or baseline or quick or any(files.values()):
+            raise InputError("compare", compare, "no option beside it but --models and --output")
+        return _compare(compare, models, output)
+    targets = _targets(output, files)
+    asked = asks(case_file, baseline, models, quick=quick)
+    with Bar() as bar, Bench(time_limit, bar) as bench:
+        report, _ = looked(asked, bench, history)
+    for form, path in targets:
+        _write(report, form, path)
+    display(report)
+    for _, path in targets:
+        click.echo(f"wrote {path}")
+    return 0 if report.passed else 1
+
+
+def asks(
+    case_file: str | None,
+    baseline: str | None,
+    models: str | None,
+    *,
+    quick: bool,
+    new: bool = False,
+) -> Asked:
+    """Return what the texts ask for; `new`: where a baseline may be made.
+
+    Raises `InputError` naming the argument that is wrong, before anything is solved.
+    """
+    from analytic import InputError
+    from harness.gate.files import load
+    from harness.gate.plan import standard
+    from harness.presets import PAPER_CASES
+    from harness.text import chosen, split
+
+    cases = chosen(None, case_file, PAPER_CASES)
+    if baseline is None and case_file is not None:
+        expected = "a folder for the figures of your own cases, or none"
+        raise InputError("baseline", baseline, expected)
+    text = BASELINE if baseline is None else baseline
+    folder = None if text == "none" else _folder(text)
+    known = None if folder is None else load(folder)
+    if known is None and folder is not None and not new:
+        expected = "a folder of accepted figures (rps-bench accept makes one), or none"
+        raise InputError("baseline", text, expected)
+    names = None if models is None else split("models", models)
+    return Asked(standard(cases, names, quick=quick), folder, known)
+
+
+def _folder(text: str) -> Path:
+    from harness.output import check_folder
+
+    return check_folder(text, "baseline")
+
+
+def looked(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report", "Checked"]:
+    """Solve and compare; this run is in the history that its seconds are compared with."""
+    from harness.gate import gate
+    from harness.gate.plan import solve
+    from harness.history.provenance import provenance
+
+    about, began, time = provenance(), perf_counter(), gate.now()
+    checked = solve(asked.plan, bench)
+    timed: list[Timing] = []
+    notes: list[str] = []
+    if history is not None:
+        from harness.history.store import append
+
+        append(history, checked.rows, flags.as_typed())
+        timed, notes = gate.watched(history, checked, asked.baseline, str(about["machine"]))
+    said = {"command": flags.as_typed(), "time": time, **about}
+    report = gate.look(checked, bench, asked.baseline, timed, said, notes)
+    return report.timed(perf_counter() - began), checked
+
+
+def display(report: "Report") -> None:
+    """Print how much was compared, what moved, and the outcome."""
+    from harness.gate.report import findings_table, summary_table
+
+    show_tables(summary_table(report))
+    if report.findings:
+        show_tables(findings_table(report))
+    for note in report.notes:
+        click.echo(note)
+    click.echo(report.sentences()[0])
+
+
+def _compare(text: str, models: str | None, output: Path | None) -> int:
+    """Show what the same study gives in two environments."""
+    from harness.history.environments import compare, requirements, study
+    from harness.output import write_all
+    from harness.text import split
+
+    both = requirements(text)
+    labels = study(*both, None if models is None else split("models", models))
+    with Bar() as bar:
+        bar.expect(2 * len(labels))
+        table = compare(*both, labels, done=bar.done)
+    paths = write_all(output, table.files("environments")) if output is not None else []
+    show_tables(table)
+    for path in paths:
+        click.echo(f"wrote {path}")
+    return 0
+
+
+def _targets(output: Path | None, files: dict[str, str | None]) -> Sequence[tuple[str, Path]]:
+    """Return form and path of every file to write."""
+    from harness.output import check_file
+
+    found = [] if output is None else [
+        (form, output / f"{STEM}.{suffix}") for form, suffix in SUFFIXES.items()
+    ]  # fmt: skip
+    return found + [
+        (form, check_file(text, form)) for form, text in files.items() if text is not None
+    ]
+
+
+def _write(report: "Report", form: str, path: Path) -> None:
+    from harness.gate.report import FORMS
+    from harness.output import write_all
+
+    write_all(path.parent, {path.name: FORMS[form](report)})

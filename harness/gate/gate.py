@@ -1,0 +1,105 @@
+"""The gate: one check from a plan to a report, and what of it may be accepted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from analytic import InputError
+from harness.bench import Bench
+from harness.gate.compare import FAILED, Finding, broken, compare, condense, failures, slower
+from harness.gate.measured import measure
+from harness.gate.plan import Checked
+from harness.gate.properties import properties
+from harness.gate.ratchet import Baseline, Reason, accept, measure_noise
+from harness.gate.report import Report
+from harness.gate.timing_watch import Timing
+
+NEVER = ("property", "failure")
+"""Kinds of findings that cannot be accepted, for whatever reason."""
+
+
+class NotAcceptedError(RuntimeError):
+    """Why nothing was accepted."""
+
+
+def look(
+    checked: Checked,
+    bench: Bench,
+    known: Baseline | None,
+    timings: Sequence[Timing] = (),
+    about: Mapping[str, Any] | None = None,
+    notes: Sequence[str] = (),
+) -> Report:
+    """Return what moved since the baseline `known`, and what does not hold."""
+    now = measure(checked, bench)
+    held = properties(checked, bench)
+    findings = failures(checked) + broken(held)
+    if known is not None:
+        findings += compare(known, now, checked)
+    else:
+        notes = ("compared with no baseline", *notes)
+    findings += slower(timings)
+    said = (*checked.plan.notes, *notes)
+    return Report(tuple(findings), tuple(held), tuple(timings), now, known, about or {}, said)
+
+
+def watched(
+    history: Path, checked: Checked, known: Baseline | None, machine: str
+) -> tuple[list[Timing], list[str]]:
+    """Return the timings of what was solved now, from a history that holds it; and notes."""
+    from harness.gate.timing_watch import timings
+    from harness.history.store import open_history
+
+    past = open_history(history)
+    accepted = {} if known is None else known.timed_since
+    since = {model: datetime.fromisoformat(text) for model, text in accepted.items()}
+    solved = {row["model"] for row in checked.rows}
+    # What was not solved now has not changed now.
+    found = [one for one in timings(past, machine, since) if one.model in solved]
+    return found, [f"history: skipped {path}: {why}" for path, why in past.skipped]
+
+
+def accepted(report: Report, checked: Checked, bench: Bench, reason: str) -> Baseline:
+    """Return the baseline that takes what was found.
+
+    Raises `NotAcceptedError` where a property or a model fails, and `InputError` where something
+    lowers the bar and no reason is given.
+    """
+    known, about = report.baseline, report.about
+    never = [one for one in report.failed if one.kind in NEVER]
+    if never:
+        kinds = " and ".join(sorted({one.kind for one in never}))
+        raise NotAcceptedError(f"nothing accepted: {len(never)} x {kinds}, which cannot be")
+    lower = [one for one in report.failed if one.verdict == FAILED]
+    if lower and not reason:
+        raise InputError("reason", None, f"why {len(lower)} findings that lower the bar are right")
+    gone = [one.model for one in lower if one.kind == "missing"]
+    still = [model for model in gone if model not in report.now.sources]
+    why = _reasons(condense(lower), about, reason)
+    noise = measure_noise(checked, bench)
+    result = accept(known, report.now, noise, about, reason, why, still)
+    changed = {one.model: one for one in report.timings}
+    since = {
+        one.model: changed[one.model].since.isoformat()
+        for one in report.findings
+        if one.kind == "timing"
+    }
+    return replace(result, timed_since=result.timed_since | since)
+
+
+def _reasons(
+    lower: Sequence[tuple[Finding, int]], about: Mapping[str, str], reason: str
+) -> list[Reason]:
+    return [
+        Reason(about["time"], about["commit"], one.quantity, one.model,
+               one.case if of == 1 else f"{one.case} (worst of {of})", one.mode or 0,
+               str(one.before), str(one.after), reason)
+        for one, of in lower
+    ]  # fmt: skip
+
+
+def now() -> str:
+    """Return the time, to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
