@@ -12,8 +12,9 @@ from reference_models import ModelError
 Array = NDArray[np.float64]
 CLOSED = 1e-9
 """Largest gap of a joint, relative to the mean limb length (and at least in metres)."""
-TOGETHER = 1e-3
-"""Largest distance of a limb's end from the platform's point or its base, relative to the shape."""
+TOGETHER = 1e-2
+"""Largest distance of a limb's end from the platform's point or its base, relative to the shape:
+the middle of a face that is joined on average leaves it by 0.4 % in the eighth mode."""
 HEAVIEST = 1.5
 """Largest modal mass of centre lines and platform: a coarse mesh has another between stations."""
 LIGHTEST = 0.2
