@@ -60,3 +60,9 @@ def cost() -> dict[str, float]:
 def errata() -> tuple[Erratum, ...]:
     """Return the errata list, in the order of the file."""
     return tuple(Erratum(**entry) for entry in tomllib.loads(text("errata.toml"))["erratum"])
+
+
+@cache
+def paper() -> dict[str, str]:
+    """Return what the paper is: authors, title, journal, when it was published, and its address."""
+    return tomllib.loads(text("paper.toml"))

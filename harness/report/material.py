@@ -1,0 +1,127 @@
+"""What the sections are made from: the results of one run, and every answer in them."""
+
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from functools import cached_property
+from typing import Any, TypeVar
+
+from analytic import Modes
+from analytic.model import Model
+from harness.bench import SPARE, label
+from harness.cases import Case
+from harness.plan import Plan
+from harness.reproduce import Part
+from harness.report.ledger import Ledger, answer, environment
+from harness.result import Result
+from harness.rows import mode_rows, settings
+from reference_models import Named
+
+R = TypeVar("R", bound=Result)
+
+
+@dataclass(frozen=True)
+class Material:
+    """The results of one run.
+
+    Attributes: `plan`, what was asked for; `parts`, what the studies made of it; `command` that ran
+    them; `ledger`, where numbers come from.
+    """
+
+    plan: Plan
+    parts: tuple[Part, ...]
+    command: str
+    ledger: Ledger = field(default_factory=Ledger)
+
+    def of(self, kind: type[R]) -> dict[str, R]:
+        """Return the results of one type by stem."""
+        return {
+            stem: result
+            for part in self.parts
+            for stem, result in part.results.items()
+            if isinstance(result, kind)
+        }
+
+    def only(self, name: str) -> str:
+        """Return the command that makes the study called `name` of this run again."""
+        return f"{self.command} --only {name}"
+
+    def part(self, name: str) -> Part | None:
+        """Return what the study called `name` made, or None where it was not asked."""
+        return next((part for part in self.parts if part.entry.name == name), None)
+
+    @property
+    def about_paper(self) -> bool:
+        """Whether the run is about cases of the paper."""
+        return any(case.published for case in self.plan.cases)
+
+    @cached_property
+    def answers(self) -> dict[tuple[Case, Model], Modes]:
+        """Every answer of the run at the plan's cases; of two of a model the one of more modes."""
+        found: dict[tuple[Case, Model], Modes] = {}
+        for part in self.parts:
+            for result in part.results.values():
+                for study in result.studies:
+                    for key, modes in study.answers.items():
+                        known = found.get(key)
+                        if key[0] in self.plan.cases and (
+                            known is None or len(known.frequencies) < len(modes.frequencies)
+                        ):
+                            found[key] = modes
+        return found
+
+    def models(self, case: Case) -> list[Model]:
+        """Return the models with an answer at `case`."""
+        return [model for at, model in self.answers if at == case]
+
+    def references(self, case: Case) -> list[Model]:
+        """Return what a theory can be held against at `case`: references, and exact theories."""
+        known = self.models(case)
+        asked = [*self.plan.references, *([self.plan.solid] if self.plan.solid else [])]
+        exact = [model for model in known if model.elements is None and model.limit() == model]
+        return list(dict.fromkeys([model for model in asked if model in known] + exact))
+
+    def families(self, case: Case) -> dict[str, dict[int, Model]]:
+        """Return models with most of the plan's elements, by name and elements; the theory first.
+
+        A family differs in elements alone.
+        """
+        found: dict[Named, dict[int, Model]] = {}
+        for model in self.models(case):
+            if isinstance(model, Named) and model.elements in self.plan.elements:
+                assert isinstance(model.elements, int), "the plan's elements are"
+                found.setdefault(replace(model, elements=None), {})[model.elements] = model
+        least = max(1, len(self.plan.elements) // 2)
+        own = replace(self.plan.theory, elements=None)
+        ordered = sorted(found.items(), key=lambda one: one[0] != own)
+        return {
+            f"{family.name}{_said(family)}": dict(sorted(meshes.items()))
+            for family, meshes in ordered
+            if len(meshes) >= least or family == own
+        }
+
+    def record(self, case: Case, model: Model) -> int | None:
+        """Return the record of a model's answer at a case, or None where there is none."""
+        modes = self.answers.get((case, model))
+        if modes is None:
+            return None
+        count = min(max(self.plan.shown), len(modes.frequencies))
+        rows = mode_rows(case, label(model), settings(model, count + SPARE), modes, count)
+        file = "--case-file FILE " if self.plan.case_file else ""
+        fields = {
+            "Case": f"{case.name}: {case.note}" if case.note else case.name,
+            **answer(rows),
+            "Command": f"rps-bench table {file}--cases {case.name} --references '{label(model)}'",
+        }
+        return self.ledger.add(f"{label(model)} at {case.name}", fields, [self.run])
+
+    @cached_property
+    def run(self) -> int:
+        """The record of this run: when, from which commit, on what."""
+        from harness.history.provenance import provenance
+
+        about: dict[str, Any] = {"time": datetime.now(UTC), **provenance()}
+        return self.ledger.add("This run", {**environment(about), "Command": self.command})
+
+
+def _said(family: Named) -> str:
+    return "".join(f", {name} {value}" for name, value in family.settings)
