@@ -149,8 +149,8 @@ class TableOne(Result):
         theory = self.theories[0]
         cases = self.study.complete(theory)
         printed = [case for case in cases if case.published]
-        lines = _against_print(self.study, theory, printed) if printed else []
-        lines += _causes(self.study, theory)
+        lines = against_print(self.study, theory, printed) if printed else []
+        lines += causes(self.study, theory)
         lines += [line for model in self.references for line in _against_limit(self.study, model)]
         return lines + closest_readings(self.readings)
 
@@ -231,7 +231,7 @@ def _printed(
     return rows
 
 
-def _against_print(study: Study, theory: Model, printed: Sequence[Case]) -> list[str]:
+def against_print(study: Study, theory: Model, printed: Sequence[Case]) -> list[str]:
     off = np.concatenate([
         relative_error(
             study.answers[case, theory].frequencies[:6],
@@ -272,7 +272,7 @@ def _errors(study: Study, model: Model, against: Model) -> NDArray[np.float64]:
     return np.array(rows).reshape(len(rows), study.count)
 
 
-def _causes(study: Study, theory: Model) -> list[str]:
+def causes(study: Study, theory: Model) -> list[str]:
     """Return what the number of elements costs, and what the beam theory does."""
     limit = theory.limit()
     if limit is None:

@@ -1,0 +1,164 @@
+"""The page: sections in order, one template each, and the plotting library, in one file.
+
+What a run gave is kept as page.json beside it: the page can be made anew, with the newest history
+and the gate's last answer, without solving anything.
+"""
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import replace
+from gzip import compress
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from analytic import InputError, __version__
+from harness.plan import Plan
+from harness.report import first, history, maps, others
+from harness.report.ledger import Ledger
+from harness.report.material import Material
+from harness.report.recorded import MOST_NUMBERS, read_recorded
+from harness.report.section import Json, Section
+from harness.reproduce import Part
+
+PAGE, FILE, CHECK = "index.html", "page.json", "check.json"
+FORMAT, VERSION = "rps-bench page", 1
+MODULES = ("verdicts", "table_one", "fig3", "budget", "work", "shapes", "provenance")
+"""Sections that are made of the run alone, a module of this package each."""
+ORDER = (first.KEY, "claims", "table1", "fig3", "budget", "work-precision", maps.KEY, "shapes",
+         *others.KEYS, history.KEY, "provenance")  # fmt: skip
+COMMAND = "rps-bench reproduce"
+
+
+def page_files(
+    plan: Plan, parts: Sequence[Part], history: Path | None, command: str = COMMAND
+) -> dict[str, bytes]:
+    """Return the page of a run and page.json, as files to write.
+
+    `history`: the folder of the history, None for none; `command` that made the run.
+    """
+    text = json.dumps(content(plan, parts, command), separators=(",", ":"), allow_nan=False)
+    return {PAGE: render(json.loads(text), history, None), FILE: text.encode()}
+
+
+def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
+    """Return what the page says of a run, in the form of page.json."""
+    run = Material(plan, tuple(parts), command)
+    found = [
+        one for name in MODULES
+        if (one := import_module(f"harness.report.{name}").section(run)) is not None
+    ]  # fmt: skip
+    found += [one for name in others.KEYS if (one := others.section(run, name)) is not None]
+    fig3 = next((one for one in found if one.key == "fig3"), None)
+    found.append(first.section(run, fig3))
+    sections = {one.key: vars(one) for one in found}
+    return {
+        "format": FORMAT, "version": VERSION, "release": __version__, "command": command,
+        "sections": sections, "maps": maps.own(run), "ledger": run.ledger.records,
+    }  # fmt: skip
+
+
+def load(results: Path) -> Json:
+    """Return page.json of the folder `results`; raises `InputError` where it is none of ours."""
+    file = results / FILE
+    expected = f"a folder with a {FILE} that `{COMMAND}` of this release has written"
+    try:
+        kept = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is damaged"
+        raise InputError("results", str(results), f"{expected} ({FILE}: {reason})") from None
+    known = isinstance(kept, dict) and kept.get("format") == FORMAT
+    if not known or kept.get("version") != VERSION:
+        found = kept.get("version") if known else "none"
+        raise InputError("results", str(results), f"{expected} (version {VERSION}, not {found})")
+    return dict(kept)
+
+
+def load_check(results: Path) -> Json | None:
+    """Return the gate's last answer in the folder `results`, None where there is none."""
+    file = results / CHECK
+    if not file.is_file():
+        return None
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError("results", str(results), f"a {CHECK} that `rps-bench check` has written")
+    return found
+
+
+def render(kept: Json, folder: Path | None, check: Json | None) -> bytes:
+    """Return the page as one HTML file that asks for nothing outside itself.
+
+    `kept`: page.json; `folder` of the history, None for none; `check`: the gate's last answer.
+    Raises `InputError` where `kept` lacks what the templates show.
+    """
+    try:
+        return _rendered(kept, folder, check)
+    except (KeyError, TypeError, AttributeError) as error:
+        expected = f"a {FILE} that is whole (it lacks {error})"
+        raise InputError("results", FILE, expected) from None
+
+
+def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
+    ledger = Ledger(kept["ledger"])
+    room = MOST_NUMBERS - sum(len(one["rows"]) for one in (kept["maps"] or {"maps": []})["maps"])
+    recorded = read_recorded(folder, room)
+    sections = {key: Section(**one) for key, one in kept["sections"].items()}
+    top = sections[first.KEY]
+    sections[first.KEY] = replace(top, context={**top.context, "gate": first.gate(check)})
+    if kept["maps"] or recorded.maps:
+        command = f"{kept['command']} --only workspace"
+        sections[maps.KEY] = maps.section(kept["maps"], recorded, ledger, command)
+    if folder is not None:
+        sections[history.KEY] = history.section(recorded)
+    return _html([sections[key] for key in ORDER if key in sections], ledger).encode()
+
+
+def _html(sections: Sequence[Section], ledger: Ledger) -> str:
+    environment = Environment(
+        loader=PackageLoader("harness.report"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=StrictUndefined,
+    )
+    # Infinities and NaN are no JSON: better no page than one that does not open.
+    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    environment.filters["pairs"] = lambda names: [(name, name) for name in names]
+    known = environment.list_templates()
+    parts = []
+    for one in sections:
+        own = f"{one.key}.html"
+        template = environment.get_template(own if own in known else "study.html")
+        body = "" if one.missing else Markup(template.render(**one.context))
+        parts.append({"section": one, "body": body})
+    files = [f"{one.key}.js" for one in sections if not one.missing]
+    scripts = [_source(environment, name) for name in ("page.js", *files) if name in known]
+    script = "\n".join([*scripts, "library().then(watch);"])
+    start, plotly = _source(environment, "start.js"), get_plotlyjs()
+    return environment.get_template("page.html").render(
+        parts=parts,
+        ledger=ledger.records,
+        version=__version__,
+        start=Markup(start),
+        script=Markup(script),
+        allowed=" ".join(f"'sha256-{_hash(text)}'" for text in (start, script, plotly)),
+        plotly=b64encode(compress(plotly.encode(), mtime=0)).decode(),
+    )
+
+
+def _source(environment: Environment, name: str) -> str:
+    assert environment.loader is not None, "it was given above"
+    return environment.loader.get_source(environment, name)[0].strip()
+
+
+def _hash(script: str) -> str:
+    return b64encode(sha256(script.encode()).digest()).decode()
