@@ -90,14 +90,14 @@ def dashed(sentence: str) -> str:
     return sentence
 
 
-def as_typed() -> str:
-    """Return the command that runs now with its options, but for where it writes."""
+def as_typed(without: tuple[str, ...] = ()) -> str:
+    """Return the command that runs now with its options, but for where it writes and `without`."""
     context = click.get_current_context()
     words = ["rps-bench", context.info_name or ""]
     for parameter in context.command.params:
         name = parameter.name or ""
         source = context.get_parameter_source(name)
-        if source is ParameterSource.COMMANDLINE and name not in WRITES:
+        if source is ParameterSource.COMMANDLINE and name not in (*WRITES, *without):
             given = context.params[name] is True
             first = parameter.opts[0]
             words += [first] if given else [first, str(context.params[name])]

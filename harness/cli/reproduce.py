@@ -42,7 +42,7 @@ def reproduce(
     if history is not None:
         append_rows(history, results)
     last = {"summary.md": job.summary(asked, parts).encode()}
-    last |= page_files(asked, parts, history)
+    last |= page_files(asked, parts, history, flags.as_typed(without=("only",)))
     written += len(write_all(output, last))
     for part in parts:
         click.echo(f"{part.entry.title}:")

@@ -66,5 +66,3 @@ def _budget(run: Material, one: Budget) -> Json:
         "modes": list(one.shown),
         "cases": cases,
     }
-
-

@@ -106,7 +106,9 @@ def _own(one: Json) -> Map:
     return Map(MAP, one["mechanism"], OWN, OWN, one["model"], answer, one["version"], one["record"])
 
 
-def _recorded(row: Mapping[str, Any], answer: Answer, run: Mapping[str, Any], ledger: Ledger) -> Map:
+def _recorded(
+    row: Mapping[str, Any], answer: Answer, run: Mapping[str, Any], ledger: Ledger
+) -> Map:
     apart = variant(row["settings"])
     model = f"{row['model']}, {apart}" if apart else row["model"]
     fields = {

@@ -99,9 +99,7 @@ def _reference(
     made = {"Made as": "100 (theoretical / reference - 1), modes paired by shape",
             "Command": run.only("table")}  # fmt: skip
     what = f"error of {label(theory)} against {label(reference)}"
-    error_record = run.ledger.add(
-        f"{what}, {case.name}", made, [run.record(case, theory), own]
-    )
+    error_record = run.ledger.add(f"{what}, {case.name}", made, [run.record(case, theory), own])
     fea = against.frequencies[pairing.partner]
     error = relative_error(ours.frequencies, fea)
     cells = []
