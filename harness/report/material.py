@@ -10,8 +10,8 @@ from analytic.model import Model
 from harness.bench import SPARE, label
 from harness.cases import Case
 from harness.plan import Plan
-from harness.reproduce import Part
 from harness.report.ledger import Ledger, answer, environment
+from harness.reproduce import Part
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from reference_models import Named

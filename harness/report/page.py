@@ -12,7 +12,6 @@ from gzip import compress
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup

@@ -1,4 +1,4 @@
-"""Pictures that need no script: a mechanism at a pose, and Fig. 3 with its floor, as coordinates."""
+"""Pictures that need no script, as coordinates: a mechanism at a pose, Fig. 3 with its floor."""
 
 import math
 from collections.abc import Sequence

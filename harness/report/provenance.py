@@ -7,8 +7,8 @@ from harness.report.section import Section, number
 from harness.rows import mode_rows
 
 KEY, TITLE, MENU = "provenance", "Provenance: where the numbers come from", "Provenance"
-COLUMNS = ("Case", "Model", "Theory", "Version", "Coordinates", "Joint gap", "Uncertainty of f1 [%]",
-           "Time")  # fmt: skip
+COLUMNS = ("Case", "Model", "Theory", "Version", "Coordinates", "Joint gap",
+           "Uncertainty of f1 [%]", "Time")  # fmt: skip
 
 
 def section(run: Material) -> Section | None:

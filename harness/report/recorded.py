@@ -86,7 +86,8 @@ def _points(store: History) -> tuple[Rows, int]:
         GROUP BY run ORDER BY run DESC""",
         MANY_POSES,
     )
-    chosen, total = [], 0
+    chosen: list[str] = []
+    total = 0
     for size in sizes:
         total += size["own"]
         if chosen and total > MOST_POINTS:

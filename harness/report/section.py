@@ -1,4 +1,4 @@
-"""A section of the page, in a form that JSON can keep; and numbers that say where they come from."""
+"""A section of the page as JSON can keep it, and numbers that say where they come from."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -14,7 +14,7 @@ def verdicts(run: Material) -> list[Json]:
     if part is None:
         return []
     return [
-        {name: "" if value is None else str(value) for name, value in row.items()}
+        {str(name): "" if value is None else str(value) for name, value in row.items()}
         for result in part.results.values()
         for row in result.to_frame().to_dict("records")
     ]
