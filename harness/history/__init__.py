@@ -1,0 +1,1 @@
+"""Every run on record: Parquet files, asked by DuckDB."""
