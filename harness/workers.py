@@ -222,7 +222,8 @@ def _end_with(parent: int) -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _serve(line: Connection) -> None:
+def serve(line: Connection) -> None:
+    """Solve the tasks that come down `line`, one after the other, as long as there is a parent."""
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     gc.set_threshold(100_000)  # libraries are no garbage
     import harness.bench  # noqa: F401  what every task needs: before it is ready
@@ -247,4 +248,4 @@ if __name__ == "__main__":
     # By the module's own name: what it sends is looked up under it at the other end.
     from harness import workers
 
-    workers._serve(Connection(int(sys.argv[1])))
+    workers.serve(Connection(int(sys.argv[1])))

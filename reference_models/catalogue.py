@@ -59,7 +59,7 @@ class Named:
 
     def info(self) -> Info:
         """Return what the model is, without running it; never raises."""
-        return _info(self, tuple(sys.path))
+        return _info(self)
 
     def build(self) -> Any:
         """Return the model behind the name.
@@ -67,6 +67,9 @@ class Named:
         Raises `InputError` for unknown names, settings or elements, and `UnavailableError` where
         its program is missing.
         """
+        missing = self.info().missing
+        if missing:
+            raise UnavailableError(f"model {self.name!r} cannot run here: {missing}")
         return _built(self)
 
     def given(self, **settings: Any) -> "Named":
@@ -214,8 +217,7 @@ def accepted(name: str) -> frozenset[str]:
     return frozenset(known) - {"elements"}
 
 
-@lru_cache(maxsize=256)
-def _info(named: Named, path: tuple[str, ...]) -> Info:
+def _info(named: Named) -> Info:
     try:
         thing = find(named.name)
     except InputError:
@@ -254,8 +256,6 @@ def _unusable(why: str) -> Info:
 @lru_cache(maxsize=256)
 def _built(named: Named) -> Any:
     info = named.info()
-    if info.missing:
-        raise UnavailableError(f"model {named.name!r} cannot run here: {info.missing}")
     if isinstance(named.elements, tuple):
         if info.refinements is None:
             raise InputError("elements", named.elements, "one number for this model")

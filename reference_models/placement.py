@@ -14,7 +14,7 @@ from analytic.pose import Pose
 
 Array = NDArray[np.float64]
 GAP = 1e-9
-"""Largest distance of A_i from its revolute joint's plane, relative to the limb's length."""
+"""Largest distance of A_i from its revolute joint's plane, relative to the mechanism's size."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,23 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
     spans = tips - bases
     lengths = np.linalg.norm(spans, axis=-1)
     gaps = np.abs((spans * axes).sum(axis=-1))
-    bad = ~(gaps <= GAP * np.maximum(lengths, np.finfo(float).tiny))
-    if bad.any():
-        *where, limb = np.argwhere(bad)[0].tolist()
-        gap = float(gaps[(*where, limb)])
-        expected = f"joints that close, but A_{limb + 1} is {gap:.1e} m beside its revolute joint"
-        raise InputError("pose", pose[tuple(where)] if where else pose, expected)
+    size = np.linalg.norm(bases, axis=-1) + np.linalg.norm(points, axis=-1) + np.abs(z)
+    plane = "A_{} in its revolute joint's plane, not {:.1e} m beside it"
+    _refuse(pose, ~(gaps <= GAP * size), gaps, plane)
+    _refuse(
+        pose, ~(lengths > GAP * size), lengths, "limbs of some length, not that of A_{} of {:.1e} m"
+    )
     along = spans / lengths[..., None]
     about = axes - along * (along * axes).sum(axis=-1, keepdims=True)
     about /= np.linalg.norm(about, axis=-1, keepdims=True)
     return Placement(centre, rotation, arms, tips, along, about, lengths)
+
+
+def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: Array, expected: str) -> None:
+    if bad.any():
+        *where, limb = np.argwhere(bad)[0].tolist()
+        said = expected.format(limb + 1, float(amount[(*where, limb)]))
+        raise InputError("pose", pose[tuple(where)] if where else pose, said)
 
 
 def _about_z(angle: object) -> Array:

@@ -46,12 +46,10 @@ def study_command(name: str) -> click.Command:
 
 def _requests(entry: Entry, module: Any, asked: Request) -> dict[str, Request]:
     """Return what the study is asked, by the stem of its files."""
-    if not getattr(module, "EACH_REFERENCE", False):
-        return {entry.name: asked}
-    each = {one.label: asked.with_(references=(one,)) for one in asked.references}
-    if len(each) == 1:
-        return {entry.name: asked}
-    return {f"{entry.name}-{label}": one for label, one in each.items()}
+    stem = getattr(module, "STEM", entry.name)
+    if not getattr(module, "EACH_REFERENCE", False) or len(asked.references) == 1:
+        return {stem: asked}
+    return {f"{stem}-{one.label}": asked.with_(references=(one,)) for one in asked.references}
 
 
 Results = dict[str, Result]

@@ -4,6 +4,7 @@ A study is a module with `run(request, bench) -> Result`, and where the defaults
 
 - `TAKES`: names of the standard arguments that it takes (default: all of `STANDARD`);
 - `DEFAULTS`: texts of standard arguments that differ from the usual ones;
+- `STEM`: what its files are called (default: its name);
 - `OPTIONS`: its own arguments, each an `Option`;
 - `EACH_REFERENCE`: true where it compares with one reference, and runs once for each of several;
 - `jobs(plan) -> {stem: Request}`: what the main job asks of it (default: the plan as it is, written

@@ -32,6 +32,7 @@ from harness.tables import Cell, Number, Table
 if TYPE_CHECKING:
     import pandas as pd
 
+STEM = "table1"
 AGREES = 0.1
 """Two sets of figures agree if none differs by more than this [%]: ten times Table I's rounding."""
 
@@ -232,6 +233,7 @@ def _printed(
 
 
 def against_print(study: Study, theory: Model, printed: Sequence[Case]) -> list[str]:
+    """Return how far `theory` is from the printed values, and which printed errors are wrong."""
     off = np.concatenate([
         relative_error(
             study.answers[case, theory].frequencies[:6],

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from analytic import Continuum, Mechanism, Pose, limbs_at
-from reference_models import UnavailableError, reference
-from reference_models.protocol import find
+from reference_models import Named, UnavailableError, reference
 
 PoseSet = Callable[[int, int], Pose]
 
@@ -56,7 +55,7 @@ def test_limbs_twist_where_the_model_says_so(robot: Mechanism, name: str, elemen
     twist = np.sqrt(rod.shear / rod.density) / 4 / np.sort(limbs_at(robot, pose).lengths)[:0:-1]
     amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))
     still = modes.frequencies[amplitude < 1e-3 * amplitude.max()]
-    if find(name).info().torsion:
+    if Named(name, None).info().torsion:
         np.testing.assert_allclose(still[:2], twist, rtol=0.02)
     else:
         assert not still.size

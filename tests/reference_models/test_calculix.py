@@ -22,7 +22,8 @@ from analytic import (
     Substructure,
 )
 from analytic.pairing import mass_vectors, pair
-from reference_models import ModelError, calculix_solid, reference
+from reference_models import ModelError, reference
+from reference_models.solid import calculix as calculix_solid
 from reference_models.solid.calculix import CalculixSolid, check_answer, largest_gap
 from reference_models.solid.calculix_deck import write
 from reference_models.solid.calculix_run import Answer

@@ -23,7 +23,8 @@ from analytic import (
     Substructure,
 )
 from analytic.pairing import mass_vectors, pair
-from reference_models import ModelError, UnavailableError, exudyn_system, reference
+from reference_models import ModelError, UnavailableError, reference
+from reference_models.exudyn import system as exudyn_system
 from reference_models.exudyn.beam import ExudynBeam
 from reference_models.exudyn.cable import ExudynCable
 

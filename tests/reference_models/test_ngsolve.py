@@ -29,7 +29,8 @@ from reference_models import ModelError, UnavailableError, reference
 
 pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')
 
-from reference_models import ngsolve_mesh, ngsolve_solid
+from reference_models.solid import ngsolve as ngsolve_solid
+from reference_models.solid import ngsolve_mesh
 from reference_models.solid.faces import hold
 from reference_models.solid.ngsolve import NgsolveAveraged, NgsolveSolid, held_rods, lowest
 from reference_models.solid.ngsolve_mesh import solid_rod
@@ -303,7 +304,7 @@ def test_slender_rods_converge_too(robot: Mechanism, case1: Pose) -> None:
 
 
 def test_averaged_faces_have_a_name_of_their_own() -> None:
-    averaged = reference("ngsolve-averaged", elements=2)
+    averaged = reference("ngsolve-averaged", elements=2).build()
     assert averaged == NgsolveAveraged(2) and averaged.faces == "averaged"
     assert "averaged end faces" in NgsolveAveraged.info().theory
     assert "rigid end faces" in NgsolveSolid.info().theory
