@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import signal
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -101,8 +100,7 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+        )  # in this process's own group: what ends the group ends ccx
         try:
             status = process.wait(time_limit)
         except subprocess.TimeoutExpired:
@@ -110,9 +108,9 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
                 f"{NAME}: ccx was stopped after {time_limit:g} s, its time limit"
             ) from None
         finally:
-            # With its children, and also where this program is interrupted.
+            # Also where this program is interrupted.
             if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
+                process.kill()
                 process.wait()
     said = log.read_text(errors="replace")
     if status < 0:
