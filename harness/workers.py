@@ -29,6 +29,8 @@ START = 120.0
 """A process that is not ready after this many seconds never will be."""
 TRIES = 2
 """How often a job is tried whose process dies."""
+GRACE = 1.0
+"""Seconds that a process has to end what it runs, before it is ended itself."""
 LOOK = 0.5
 """Seconds after which a process looks whether its parent is still there."""
 PREFIX = "rps-bench-"
@@ -84,14 +86,17 @@ class Child:
                 env=os.environ | ONE_THREAD | {"TMPDIR": self._folder, "PYTHONPATH": _path()},
                 start_new_session=True,  # Ctrl-C is for the parent to act on
             )
-        self._ready = False
+        self._ready = self._busy = False
 
     def solve(self, task: Task, limit: float) -> object:
         """Return the answer within `limit` seconds, or raise `DiedError`; then it is of no use."""
         try:
+            self._busy = True
             self._ready = self._ready or self._receive(START) == "ready"
             self._line.send((task, limit))
-            return self._receive(limit)
+            answer = self._receive(limit)
+            self._busy = False
+            return answer
         except (EOFError, OSError):
             raise DiedError(self._ended(limit)) from None
 
@@ -111,7 +116,15 @@ class Child:
         return f"its process ended by itself with status {status}"
 
     def kill(self) -> None:
-        """End the process and all it started; safe while another thread waits for it."""
+        """End the process and all it started; safe while another thread waits for it.
+
+        In the middle of a task it is asked first: a program that it runs may be in a group of its
+        own, which only it can end.
+        """
+        with suppress(ProcessLookupError, PermissionError, subprocess.TimeoutExpired):
+            if self._busy and self._process.poll() is None:
+                self._process.terminate()
+                self._process.wait(GRACE)
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
@@ -218,12 +231,15 @@ def _end_with(parent: int) -> None:
     """End this process and all it started once `parent` has gone: nobody would wait for it."""
     while os.getppid() == parent:
         time.sleep(LOOK)
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(GRACE)
     shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
     os.killpg(0, signal.SIGKILL)
 
 
 def serve(line: Connection) -> None:
     """Solve the tasks that come down `line`, one after the other, as long as there is a parent."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     gc.set_threshold(100_000)  # libraries are no garbage
     import harness.bench  # noqa: F401  what every task needs: before it is ready

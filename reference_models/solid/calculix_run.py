@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -100,7 +101,8 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=subprocess.STDOUT,
-        )  # in this process's own group: what ends the group ends ccx
+            start_new_session=True,
+        )
         try:
             status = process.wait(time_limit)
         except subprocess.TimeoutExpired:
@@ -108,9 +110,9 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
                 f"{NAME}: ccx was stopped after {time_limit:g} s, its time limit"
             ) from None
         finally:
-            # Also where this program is interrupted.
+            # With its children, and also where this program is interrupted.
             if process.poll() is None:
-                process.kill()
+                os.killpg(process.pid, signal.SIGKILL)
                 process.wait()
     said = log.read_text(errors="replace")
     if status < 0:
