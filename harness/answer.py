@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Info
 from analytic.pairing import mass_vectors
-from harness.declared import COARSE, torsion
+from harness.declared import COARSE, STILL, torsion
 from reference_models import ModelError
 
 Array = NDArray[np.float64]
@@ -19,8 +19,6 @@ HEAVIEST = 1.5
 """Largest modal mass of centre lines and platform: a coarse mesh has another between stations."""
 LIGHTEST = 0.2
 """Smallest modal mass of a low mode that moves centre lines or platform at all."""
-STILL = 1e-3
-"""Below this root of a modal mass a mode moves neither: a limb that twists alone."""
 SOFT, STIFF = 4.0, 10.0
 """Factors by which a frequency may be above or below what its own shape's energy makes of it."""
 FREE = 1e-5

@@ -9,6 +9,7 @@ from analytic.model import Model
 from analytic.pairing import Pairing, pair
 from harness.answer import checked
 from harness.cases import Case
+from harness.declared import asked, keeps
 from harness.rows import mode_rows, settings
 from harness.workers import Children, Failure, Task, attempt
 from reference_models import ModelError
@@ -166,9 +167,26 @@ class Bench:
         if isinstance(found, Failure):
             return found
         try:
-            return checked(found, info, mechanism, pose, count)
+            modes = checked(found, info, mechanism, pose, count)
+            exact = self._exact(model, mechanism, pose, count)
+            if exact is not None:
+                keeps(modes, info, model.elements, exact, mechanism, pose)
         except ModelError as error:
             return Failure(str(error))
+        return modes
+
+    def _exact(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | None:
+        """Return the exact limit that a model declares; None where there is none."""
+        limit = model.limit()
+        if limit is None or limit == model:
+            return None
+        more = asked(mechanism, count)
+        found = self.solve(limit, mechanism, pose, more)
+        if isinstance(found, Failure):
+            return None
+        # An exact answer is the same whoever asks: `run` takes it from here.
+        self._kept.setdefault((limit, mechanism, pose, count), found.first(count))
+        return found
 
     def call(self, task: Task, isolated: bool) -> object:
         """Return what a task answers, or a `Failure`; in a process of its own if `isolated`."""

@@ -1,19 +1,24 @@
 """What a model owes the theory that it declares: the exact limit's modes, none missing or made up.
 
-The number of modes below a frequency is Wittrick and Williams' count of the exact limit. A mode
-that a model misses, has twice or makes up shifts its own number there; so does a wrong unit.
+The exact limit says how many modes lie below a frequency: Wittrick and Williams' count. A mode that
+a model misses, has twice or makes up shifts its own number there; so does a wrong unit.
 """
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Mechanism, Modes, Pose, limbs_at
 from analytic.model import Info
+from analytic.pairing import mass_vectors, pair
 from reference_models import ModelError
 
 Array = NDArray[np.float64]
-SPARE = 4
+SPARE = 2
 """Further modes of the theory, for what a model has in the place of those it misses."""
+STILL = 1e-3
+"""Below this root of a modal mass a mode moves neither line nor platform: a limb twists alone."""
 CLEAR = 4
 """Neighbours further apart than this many deviations are told apart."""
 REPEATED = 1e-6
@@ -37,87 +42,95 @@ def torsion(mechanism: Mechanism, pose: Pose) -> Array:
     return np.asarray(speed / (4 * lengths))
 
 
-def asked(mechanism: Mechanism, info: Info, count: int) -> int:
-    """Return how many modes of the limit it takes to compare `count` of a model."""
-    return count + 1 + SPARE + (0 if info.torsion else len(mechanism.limbs))
+def asked(mechanism: Mechanism, count: int) -> int:
+    """Return how many modes of the limit it takes to compare `count` of a model.
+
+    A model whose rods do not twist has others in the place of one a limb.
+    """
+    return count + SPARE + len(mechanism.limbs)
 
 
 def keeps(
     modes: Modes,
     info: Info,
     elements: int | tuple[int, int] | None,
-    exact: Array,
+    exact: Modes,
     mechanism: Mechanism,
     pose: Pose,
 ) -> None:
-    """Raise `ModelError` where `modes` cannot be of the theory whose `exact` frequencies [Hz] are.
+    """Raise `ModelError` where `modes` cannot be of the theory whose `exact` modes these are.
 
-    `exact` ascend and are `asked` of many, shape (k,). Without elements the two are equal; with two
-    numbers of elements they differ by the uncertainty; one mesh may miss them by a lot, but its
-    lowest frequency not by a factor of two, and no mode may be missing or made up where the
-    distance of its neighbours tells.
+    Of the latter there are as many as `asked`. Without elements the two are equal; with two numbers
+    of elements they differ by the uncertainty; one mesh may miss them by a lot, but its lowest
+    frequency not by a factor of two, and no mode may be missing or made up where the distance of
+    its neighbours tells.
     """
     if not info.torsion:
-        first = torsion(mechanism, pose)
-        odd = np.arange(1, 2 + exact[-1] / first.min(), 2)
-        twists = np.sort(np.outer(first, odd).ravel())
-        exact = _without(exact, twists[twists <= exact[-1] * (1 + REPEATED)])
-    found = modes.frequencies
-    number = min(len(found), len(exact))
-    smallest = exact[exact > 0].min(initial=np.inf)
-    off = np.abs(found[:number] - exact[:number]) / np.maximum(exact[:number], smallest)
-    moving = np.flatnonzero(exact[:number] > 0)
-    if moving.size and not 1 / COARSE <= found[moving[0]] / exact[moving[0]] <= COARSE:
-        raise _miss(moving[0], found, exact)
+        exact = _moving(exact, mechanism, pose)
+    found, truth = modes.frequencies, exact.frequencies
+    if len(truth) <= len(found):
+        return
+    scale = np.maximum(truth, truth[truth > 0].min(initial=np.inf))
+    off = np.abs(found - truth[: len(found)]) / scale[: len(found)]
+    first = int((truth == 0).sum())
+    if first < len(found) and not 1 / COARSE <= found[first] / truth[first] <= COARSE:
+        raise _miss(first, found, truth)
     if elements is None and (off > SAME).any():
-        raise _miss(int(off.argmax()), found, exact)
-    wrong = _miscounted(found, exact)
-    if wrong is not None:
-        raise ModelError(wrong)
+        raise _miss(int(off.argmax()), found, truth)
+    _count(modes, exact, scale, mechanism, pose)
     if isinstance(elements, tuple) and modes.uncertainty is not None:
-        known = modes.uncertainty[:number] / np.maximum(exact[:number], smallest)
+        known = modes.uncertainty / scale[: len(found)]
         if (off > TRUSTED * known.max() + SAME).any():
-            raise _miss(int(off.argmax()), found, exact)
+            raise _miss(int(off.argmax()), found, truth)
 
 
-def _miss(i: int, found: Array, exact: Array) -> ModelError:
+def _miss(i: int, found: Array, truth: Array) -> ModelError:
     return ModelError(
         f"its f{i + 1} is {found[i]:.6g} Hz, which is not of the theory that it declares: exact is "
-        f"{exact[i]:.6g} Hz"
+        f"{truth[i]:.6g} Hz"
     )
 
 
-def _without(frequencies: Array, left_out: Array) -> Array:
-    """Return `frequencies` without the one nearest to each of `left_out`."""
-    kept = frequencies
-    for f in left_out:
-        kept = np.delete(kept, np.abs(kept - f).argmin())
-    return kept
+def _moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> Modes:
+    """Return `modes` without those of limbs that twist alone."""
+    moves = np.linalg.norm(mass_vectors(modes, mechanism, pose), axis=1) >= STILL
+    return replace(
+        modes,
+        frequencies=modes.frequencies[moves],
+        platform=modes.platform[moves],
+        limbs=modes.limbs[moves],
+        uncertainty=None,
+    )
 
 
-def _miscounted(found: Array, exact: Array) -> str | None:
-    """Say where `found` has more or fewer modes below a gap of `exact`, or None.
+def _count(modes: Modes, exact: Modes, scale: Array, mechanism: Mechanism, pose: Pose) -> None:
+    """Refuse `modes` with more or fewer of them below a gap of the `exact` ones.
 
-    A gap is left out where it is not `CLEAR` of how far the frequencies next to its ends are from
-    these, or of what is usual: a mode without a partner does not excuse itself.
+    Modes are paired by shape. A gap is left out where it is not `CLEAR` of how far the partners of
+    its ends are from these, or of what is usual: a mode without a partner does not excuse itself.
     """
-    away = np.abs(found[:, None] - exact)
-    partner = away.argmin(axis=1)
-    scale = np.maximum(exact, exact[exact > 0].min(initial=np.inf))
-    nearest = partner[:, None] == np.arange(len(exact))
-    number = min(len(found) + 1, len(exact))
-    usual = float(np.median(away.min(axis=1) / scale[partner]))
-    deviation = np.maximum(np.where(nearest, away, 0.0).max(axis=0), usual * scale)[:number]
-    gap = np.diff(exact[:number])
-    clear = gap > CLEAR * np.maximum(deviation[1:], deviation[:-1])
-    clear &= gap > REPEATED * exact[1:number]
-    middle = (exact[1:number] + exact[: number - 1]) / 2
-    below = (found[:, None] < middle).sum(axis=0)
-    wrong = np.flatnonzero(clear & (below != np.arange(1, number)))
-    if not wrong.size:
-        return None
-    i = int(wrong[0])
-    return (
-        f"it has {below[i]} modes below {middle[i]:.6g} Hz, where its theory has {i + 1}: a mode "
-        f"is {'missing' if below[i] <= i else 'made up'}"
-    )
+    found, truth = modes.frequencies, exact.frequencies
+    pairing = pair(modes, exact, mechanism, pose)
+    partner = pairing.partner
+    away = np.abs(found - truth[partner])
+    worst = float((away / scale[partner])[~pairing.doubtful].max(initial=0.0))
+    deviation = float(np.median(away / scale[partner])) * scale
+    deviation[partner] = np.maximum(deviation[partner], away)
+    number = len(found) + 1
+    gap = np.diff(truth[:number])
+    clear = gap > CLEAR * np.maximum(deviation[1:number], deviation[: number - 1])
+    clear &= gap > REPEATED * truth[1:number]
+    # What a coarse mesh has higher up is not missing.
+    clear &= truth[: number - 1] * (1 + CLEAR * worst) <= found[-1]
+    middle = (truth[1:number] + truth[: number - 1]) / 2
+    lower, partners = found[:, None] < middle, truth[partner][:, None] < middle
+    # A mode that a coarse mesh has on the other side is neither missing nor made up.
+    crossed = (lower.astype(int) - partners)[~pairing.doubtful].sum(axis=0)
+    below, right = lower.sum(axis=0), np.arange(1, number) + crossed
+    wrong = np.flatnonzero(clear & (below != right))
+    if wrong.size:
+        i = int(wrong[0])
+        raise ModelError(
+            f"it has {below[i]} modes below {middle[i]:.6g} Hz, where its theory has {right[i]}: "
+            f"a mode is {'missing' if below[i] < right[i] else 'made up'}"
+        )
