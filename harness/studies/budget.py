@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analytic import InputError
 from analytic.model import Model
 from analytic.pairing import pair
+from analytic.theory import BEAMS
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.causes import effects, exact_chain
@@ -229,7 +230,7 @@ def budget(
 
 def _parts(chain: list[Named], simulators: list[Named]) -> tuple[str, ...]:
     """Return what each step of the chain is called."""
-    richest = chain[-1].info().theory.partition(",")[0] if chain else "theory"
+    richest = BEAMS[chain[-1].name] if chain else "theory"
     last = [f"{richest} to reference"]
     if len(simulators) > 1:
         last = ["three-dimensional effects", simulators[-1].info().assumption]
