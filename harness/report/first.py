@@ -45,8 +45,10 @@ def _heading(run: Material, paper: Json | None) -> str:
 
 def _answers(run: Material, table: TableOne | None, paper: Json | None) -> list[Json]:
     """Return questions that a reader has, each with what the run says of it."""
-    cases = "; ".join(f"{case.heading} ({case.note})" for case in run.plan.cases)
-    checked = f"{run.plan.theory.label}, {run.plan.theory.info().theory}, at {cases}."
+    cases = "; ".join(case.heading for case in run.plan.cases)
+    notes = "; ".join(dict.fromkeys(case.note for case in run.plan.cases if case.note))
+    theory = run.plan.theory
+    checked = f"{theory.label} ({theory.info().theory}) at {cases}: {notes or 'as given'}."
     answers = [{"question": "What was checked?", "said": [checked]}]
     if run.plan.references:
         said = "; ".join(_of(model) for model in run.plan.references)

@@ -28,7 +28,7 @@ from harness.reproduce import Part
 
 PAGE, FILE, CHECK = "index.html", "page.json", "check.json"
 FORMAT, VERSION = "rps-bench page", 1
-MODULES = ("verdicts", "table_one", "fig3", "work", "shapes", "provenance")
+MODULES = ("verdicts", "table_one", "fig3", "budget", "work", "shapes", "provenance")
 """Sections that are made of the run alone, a module of this package each."""
 ORDER = (first.KEY, "claims", "table1", "fig3", "budget", "work-precision", maps.KEY, "shapes",
          *others.KEYS, history.KEY, "provenance")  # fmt: skip

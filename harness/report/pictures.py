@@ -16,9 +16,9 @@ TURN, HEIGHT = math.radians(-62), math.radians(20)
 """From where a mechanism is looked at."""
 WIDE, HIGH = 320.0, 260.0
 """Size of the drawing of a mechanism."""
-PANEL = {"width": 390.0, "height": 300.0, "left": 40.0, "right": 88.0, "top": 28.0, "bottom": 40.0}
+PANEL = {"width": 430.0, "height": 300.0, "left": 36.0, "right": 132.0, "top": 28.0, "bottom": 40.0}
 """Size and margins of a panel of Fig. 3."""
-LINE = 13.0
+LINE = 15.0
 """Height of a label: closer ones are one."""
 TICKS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
 PANELS = 2
