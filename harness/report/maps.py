@@ -17,6 +17,8 @@ KEY, TITLE, MENU = "workspace", "Workspace: frequencies over the poses", "Worksp
 OWN = "this run"
 MOST = 60_000
 """Frequencies of the run's own map that the page has room for."""
+KEPT = 10
+"""Digits of a number of a map: what machines agree on."""
 Pose = tuple[float, float, float]
 Answer = dict[int, dict[Pose, float]]
 """Frequencies [Hz] by mode and pose [mm, deg, deg]."""
@@ -67,7 +69,7 @@ def own(run: Material) -> Json | None:
             maps.append({
                 "mechanism": rows[0]["mechanism"], "model": model, "version": rows[0]["version"],
                 "record": record,
-                "rows": [[digits(row[name], 10) for name in
+                "rows": [[digits(row[name], KEPT) for name in
                           ("z_m", "azimuth_rad", "tilt_rad", "mode", "frequency_hz")]
                          for row in rows],
             })  # fmt: skip
@@ -134,8 +136,9 @@ def _folded(rows: Iterable[Mapping[str, Any]]) -> Answer:
         azimuth = float(np.degrees(row["azimuth_rad"])) + 180 * (tilt < 0)
         turned = round(azimuth % 360, 6) % 360 if tilt else 0.0
         pose = (round(1000 * row["z_m"], 6), turned, round(abs(tilt), 6))
-        if row["frequency_hz"] is not None:
-            found.setdefault(int(row["mode"]), {}).setdefault(pose, row["frequency_hz"])
+        frequency = digits(row["frequency_hz"], KEPT)
+        if frequency is not None:
+            found.setdefault(int(row["mode"]), {}).setdefault(pose, frequency)
     return found
 
 
@@ -187,5 +190,5 @@ def _set(maps: Sequence[Map], poses: list[Pose]) -> Json:
     return {
         "poses": poses,
         "runs": list(runs.values()),
-        "values": [[[digits(f, 10) for f in mode] for mode in grid.tolist()] for grid in grids],
+        "values": [[[digits(f) for f in mode] for mode in grid.tolist()] for grid in grids],
     }

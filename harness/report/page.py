@@ -13,7 +13,7 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
@@ -101,7 +101,7 @@ def render(kept: Json, folder: Path | None, check: Json | None) -> bytes:
     """
     try:
         return _rendered(kept, folder, check)
-    except (KeyError, TypeError, AttributeError) as error:
+    except (KeyError, TypeError, AttributeError, UndefinedError) as error:
         expected = f"a {FILE} that is whole (it lacks {error})"
         raise InputError("results", FILE, expected) from None
 

@@ -13,7 +13,15 @@ COLUMNS = ("Case", "Model", "Theory", "Version", "Coordinates", "Joint gap",
 
 def section(run: Material) -> Section | None:
     """Return the section."""
-    if not run.answers:
+    left = {
+        what: why
+        for part in run.parts
+        for result in part.results.values()
+        for what, why in result.failures().items()
+    }
+    left |= {part.entry.title: part.why for part in run.parts if part.why}
+    failures = [f"{what}: {why}" for what, why in left.items()]
+    if not run.answers and not failures:
         return None
     order = {case: k for k, case in enumerate(run.plan.cases)}
     rows = []
@@ -31,13 +39,5 @@ def section(run: Material) -> Section | None:
         "rows": rows,
         "notes": [],
     }
-    left = {
-        what: why
-        for part in run.parts
-        for result in part.results.values()
-        for what, why in result.failures().items()
-    }
-    left |= {part.entry.title: part.why for part in run.parts if part.why}
-    failures = [f"{what}: {why}" for what, why in left.items()]
     context = {"table": table, "failures": failures}
     return Section(KEY, TITLE, MENU, run.command, context)

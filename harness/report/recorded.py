@@ -62,11 +62,7 @@ def read_recorded(folder: Path | None, room: int = MOST_NUMBERS) -> Recorded:
 
 
 def _asked(store: History, sql: str, params: Sequence[object] = ()) -> Rows:
-    """Return the rows of an answer; what is missing is None."""
-    frame = store.query(sql, list(params))
-    known = frame.astype(object).where(frame.notna(), None)
-    rows: Rows = known.to_dict("records")
-    return rows
+    return store.query(sql, list(params)).rows()
 
 
 def _runs(store: History) -> Rows:

@@ -18,15 +18,18 @@ if (budget) chart("budget-chart", ["budget-case", "budget-reference", "budget-el
   }));
   const total = here.total[k];
   data.push({
-    name: "total error", x: modes, y: total, mode: "markers+text",
+    name: "total error", x: modes, y: total, mode: "markers",
     marker: {symbol: "diamond", size: 11, color: css("--ink"), line: {width: 1.5, color: css("--paper")}},
-    text: total.map((value) => value === null ? "" : `${signed(value, 2)} %`), textposition: "top center",
-    textfont: {color: css("--ink"), size: 12}, cliponaxis: false,
     error_y: here.band.some((value) => value !== null)
       ? {array: here.band, color: css("--ink"), thickness: 1.2, width: 4} : undefined,
     customdata: total.map((value, i) => told("total error", value, i, records.at(-1))),
     hovertemplate: "total: %{y:+.3f} %<extra></extra>",
   });
+  // The value stands over the bar, where nothing lies under it.
+  const top = modes.map((_, i) => here.shares[k].reduce((sum, part) => sum + Math.max(0, part[i] ?? 0), 0));
+  data.push({x: modes, y: top.map((y, i) => Math.max(y, (total[i] ?? 0) + (here.band[i] ?? 0))), mode: "text", quiet: true, hoverinfo: "skip",
+    text: total.map((value) => value === null ? "" : `<b>${signed(value, 2)} %</b>`), textposition: "top center",
+    textfont: {color: css("--ink"), size: 12}, cliponaxis: false});
   const layout = {barmode: "relative", xaxis: {}, yaxis: {title: {text: "share of the error [points]"}}};
   const bars = here.band.some((value) => value !== null) ? " Whiskers: the reference’s own numerical uncertainty." : "";
   const caption = `Error of ${one.theory} with ${s} ${s === "1" ? "element" : "elements"} a limb ` +
