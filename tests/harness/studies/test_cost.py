@@ -1,0 +1,78 @@
+"""What a frequency costs: parts add up, growth is read right, a failure costs itself alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.bench import Bench
+from harness.cases import PRESETS
+from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
+from harness.timing import Timed, Way
+from reference_models import Named
+
+CASE = PRESETS["case2"]
+EULER = Named("euler-bernoulli", 3)
+
+
+@pytest.fixture(scope="module")
+def cost() -> Cost:
+    references = [Named("exudyn-cable", (4, 8)), Named("mujoco-cable", (4, 8))]
+    with Bench() as bench:
+        return measure(CASE, EULER, references, (1, 2, 4), (1, 100), 2, bench)
+
+
+def test_build_and_solve_are_parts_of_the_whole(cost: Cost) -> None:
+    for t in cost.elements:
+        if t.build is not None and t.solve is not None:
+            assert 0 < t.build + t.solve < 2 * t.median, t.way.method
+
+
+def test_coordinates_are_counted(cost: Cost) -> None:
+    for s in (1, 2, 3, 4):
+        own = cost.at("euler-bernoulli", s)
+        assert own is not None and own.dofs == 6 + 3 * (6 * s - 2)
+
+
+def test_ratios_are_to_the_same_round(cost: Cost) -> None:
+    own = cost.at("euler-bernoulli")
+    assert own is not None
+    yard = cost.timings.yardsticks[YARDSTICK]
+    np.testing.assert_allclose(cost.ratios(own, YARDSTICK) * yard, own.seconds)
+    assert (cost.timings.yardsticks[FLOOR] < yard).all()
+
+
+def test_a_failing_simulator_costs_only_itself(cost: Cost) -> None:
+    failed = set(cost.failures())  # MuJoCo's cable needs three segments
+    assert failed == {"mujoco-cable@1 at case2", "mujoco-cable@2 at case2"}
+    assert cost.at("mujoco-cable", 4) is not None
+    assert cost.at("exudyn-cable", 1) is not None
+
+
+def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
+    own = next(t for t in cost.elements if t.way.method == "euler-bernoulli")
+    made = tuple(
+        Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), None, None, own.answers)
+        for s in (1, 2, 4, 8, 16)
+    )
+    grown = replace(cost, timings=replace(cost.timings, timed=made), batches=(), stand_in=None)
+    (fit,) = grown.growth()
+    assert fit.exponent == pytest.approx(1.5, abs=1e-9)
+    assert fit.sizes == (1, 2, 4, 8, 16)
+
+
+def test_what_users_meet(cost: Cost) -> None:
+    frame = cost.to_frame()
+    assert {"method", "elements", "seconds_a_pose", "build_s", "solve_s", "dofs"} <= set(frame)
+    endings = ["-elements", "-growth", "-batches", "-claims"]
+    assert list(cost.tables()) == endings
+    assert all(table.rows for table in cost.tables().values())
+    assert cost.plot() is not None
+    said = " ".join(cost.sentences())
+    assert "6x6 numpy.linalg.eigh" in said and "multipliers (saddle-point)" in said
+    assert all(row["solve_s"] > 0 for row in cost.rows())
+
+
+def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
+    own = replace(cost, case=replace(CASE, name="mine", published=""))
+    assert "-claims" not in own.tables()
