@@ -25,7 +25,7 @@ from analytic import (
 from analytic.multipliers import null_space
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import BEAMS, Theory
-from analytic.wittrick_williams import WIDTH
+from analytic.certified import WIDTH
 from harness.cases import Case
 from harness.gate.equivalents import (
     EQUIVALENTS,
