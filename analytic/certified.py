@@ -32,6 +32,11 @@ def brackets(problem: Characteristic, count: int) -> tuple[Floats, NDArray[np.in
     return both[order], limb[order]
 
 
+def middles(bounds: Floats) -> Floats:
+    """Return the middle of every bracket, (m,): 0 of a free motion."""
+    return np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)
+
+
 def coupled(problem: Characteristic, count: int) -> Floats:
     """Return brackets of the lowest `count` omega^2 that are not torsion, shape (count, 2).
 

@@ -210,7 +210,7 @@ def lowest(
             break
     for i in left:
         one = Characteristic(known.rods, lengths[i], vectors[i].reshape(n, 3, 6), elements)
-        values[i] = certified.coupled(one, coupled).mean(axis=1)
+        values[i] = certified.middles(certified.coupled(one, coupled))
     if not torsion:
         return values
     twist = torsion_eigenvalues(known.rods, lengths, 1, elements)[..., 0]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.centre_lines import centre_lines
-from analytic.certified import brackets
+from analytic.certified import brackets, middles
 from analytic.condensed import condensed_frequencies
 from analytic.errors import number
 from analytic.kinematics import limbs_at
@@ -99,7 +99,7 @@ class Continuum:
         problem = self._problem(mechanism, pose)
         built = time.perf_counter()
         bounds, twisting = brackets(problem, count)
-        omega2 = np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)
+        omega2 = middles(bounds)
         platform = np.zeros((count, 6))
         motion = np.zeros((count, len(mechanism.limbs), len(STATIONS), 3))
         # A limb that twists moves neither its centre line nor the platform.
