@@ -25,21 +25,21 @@ SINGULAR = 1e-12
 """A pivot below this part of its diagonal entry is zero but for rounding."""
 
 
-class SingularError(ArithmeticError):
+class SingularError(np.linalg.LinAlgError):
     """A matrix that cannot be eliminated."""
 
 
 def lowest_sparse(
-    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int
+    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int, shift: float = 0.0
 ) -> tuple[Array, Array]:
     """Return the `count` lowest omega^2 of (K, M), ascending, and mass-normalised vectors.
 
-    Coordinates should run along the chains of a structure: they are eliminated in the order given.
-    Raises `SingularError` where K is singular.
+    By the inverse of K + `shift` M. Coordinates should run along the chains of a structure: they
+    are eliminated in the order given. Raises `SingularError` where that matrix is singular.
     """
-    inverse = factor(K)
+    inverse = factor(K + shift * M if shift else K)
     if (pivots(inverse) < SINGULAR * K.diagonal()).any():
-        raise SingularError
+        raise SingularError("K + shift M is not positive definite")
     return lowest(K, M, count, inverse.solve, (K, M))
 
 
@@ -114,7 +114,8 @@ def _block_lanczos(
     while True:
         W = _orthonormal(W, V, M)
         V = np.hstack([V, W])
-        exhausted = not W.shape[1]
+        # As many columns as the space has leave nothing out, though rounding finds ever more.
+        exhausted = not W.shape[1] or V.shape[1] >= size
         W = solve(M @ W)
         Z = np.hstack([Z, W])
         T = (M @ V).T @ Z
