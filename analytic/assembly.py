@@ -34,18 +34,15 @@ class Layout:
     indices: Integers | None
     pointers: Integers | None
 
-    def pair(self, blocks: list[Floats]) -> tuple[Any, Any]:
+    def pair(self, blocks: list[Floats]) -> tuple[Any, ...]:
         """Return K and M from blocks (2, ...) of both: dense, or sparse."""
         entries = np.concatenate([block.reshape(2, -1) for block in blocks], axis=1)[:, self.taken]
-        if self.indices is None:
-            stored = self.size**2
-        else:
-            stored = len(self.indices)
+        stored = self.size**2 if self.indices is None else len(self.indices)
         K, M = (np.bincount(self.slots, of, stored) for of in entries)
         if self.indices is None:
             return K.reshape(self.size, -1), M.reshape(self.size, -1)
-        where, shape = (self.indices, self.pointers), (self.size, self.size)
-        # The matrices are symmetric: stored by columns or rows is the same.
+        where: Any = (self.indices, self.pointers)
+        shape = (self.size, self.size)
         return tuple(scipy.sparse.csr_array((of, *where), shape=shape) for of in (K, M))
 
 

@@ -95,7 +95,8 @@ def deflection(xi: Floats, length: Floats, phi: Floats) -> Floats:
     square, cube, half = xi**2, xi**3, phi / 2
     step = 3 * square - 2 * cube + phi * xi
     bow = cube - (2 + half) * square + (1 + half) * xi
-    w = np.stack([1 + phi - step, length * bow, step, length * (bow + square * (1 + phi) - xi * (1 + phi))], axis=-1)
+    turned = bow + (1 + phi) * (square - xi)
+    w = np.stack([1 + phi - step, length * bow, step, length * turned], axis=-1)
     return w / (1 + phi)[..., None]
 
 

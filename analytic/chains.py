@@ -86,12 +86,17 @@ class Chains:
         (pi / L)^4 EI / rho A: added as that much of M it makes K definite.
         """
         held = self.frames[:, :, 1:].swapaxes(1, 2) @ self.J
-        held[..., 3:] /= self.lengths.mean()
+        held[..., 3:] /= self.unit
         resisted = np.linalg.svd(held.reshape(-1, 6), compute_uv=False)
         free = 6 - int((resisted > RIGID * resisted[0]).sum())
         if free == 0 and resisted[5] > WEAK * resisted[0]:
             return 0, 0.0
         return free, self.limb_scale
+
+    @property
+    def unit(self) -> float:
+        """A length to multiply rotations by, where they are compared with displacements [m]."""
+        return float(self.lengths.mean())
 
     @property
     def limb_scale(self) -> float:

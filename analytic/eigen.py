@@ -1,9 +1,9 @@
 """Eqs. (23)-(24): the lowest natural frequencies and modes of (K, M).
 
-LAPACK's error is relative to the largest eigenvalue, and that of (K, M) grows with s^4: M x = mu K x
-is solved instead, whose largest mu = 1 / omega^2 are wanted. Two things this leaves: K of short
-elements is rounded by more than the last digits of its lowest modes, and where the mechanism moves
-freely K is singular. Both are mended by `refined`, from the strains of the modes found.
+LAPACK's error is relative to the largest eigenvalue, and that of (K, M) grows with s^4: solved is
+M x = mu K x, whose largest mu = 1 / omega^2 are wanted. Two things this leaves: K of short elements
+is rounded by more than the last digits of its lowest modes, and where the mechanism moves freely K
+is singular. Both are mended by `refined`, from the strains of the modes found.
 """
 
 from __future__ import annotations  # scipy loads its parts when they are first used
@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.lanczos import lowest_sparse
+from analytic.lanczos import is_sparse, lowest_sparse
 
 Array = NDArray[np.float64]
 SPREAD = 1e4
@@ -28,7 +28,7 @@ def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array,
     (K - omega^2 M) Phi = 0 for arrays (by LAPACK) or sparse arrays (by block Lanczos), through the
     inverse of K + `shift` M. Raises `LinAlgError` where that is not positive definite.
     """
-    if scipy.sparse.issparse(K):
+    if is_sparse(K):
         return lowest_sparse(K, M, count, shift)
     mu, x = _largest(K, M, count, shift, vectors=True)
     return 1 / mu[::-1] - shift, (x / np.sqrt(mu))[:, ::-1]
@@ -39,9 +39,7 @@ def lowest_values(K: Array, M: Array, count: int) -> Array:
     return 1 / _largest(K, M, count, 0.0, vectors=False)[0][::-1]
 
 
-def _largest(
-    K: Array, M: Array, count: int, shift: float, *, vectors: bool
-) -> tuple[Array, Array]:
+def _largest(K: Array, M: Array, count: int, shift: float, *, vectors: bool) -> tuple[Array, Array]:
     """Return the largest mu of M x = mu (K + shift M) x, ascending, and x^T (K + shift M) x = 1."""
     size = len(K)
     held = K + shift * M if shift else K

@@ -16,6 +16,7 @@ from analytic.eigen import SPREAD, hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kinematics import Limbs, limbs_at
+from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
@@ -109,7 +110,7 @@ class Substructure:
         built = time.perf_counter()
         eigenvalues, U = self._solved(parts, K, M, count)
         solved = time.perf_counter()
-        solver = "sparse" if scipy.sparse.issparse(K) else "dense"
+        solver = "sparse" if is_sparse(K) else "dense"
         return Modes(
             frequencies=hertz(eigenvalues),
             platform=U[-6:].T,
@@ -187,7 +188,7 @@ def turning(axes: Floats) -> Floats:
     Pivoting never does, and gives Eq. (17) where e is along y.
     """
     pivot = np.abs(axes).argmax(axis=1)
-    return axes / axes[np.arange(len(axes)), pivot][:, None]
+    return np.asarray(axes / axes[np.arange(len(axes)), pivot][:, None])
 
 
 def nodes(parts: Chains, U: Floats) -> Floats:
@@ -196,7 +197,7 @@ def nodes(parts: Chains, U: Floats) -> Floats:
     own = U[:-6].reshape(n, 6 * s - 2, -1)
     motion = np.zeros((n, s + 1, 6, U.shape[1]))
     motion[:, 0, 3:] = turning(parts.axes)[..., None] * own[:, :1]
-    motion[:, 1:s] = own[:, 1:-3].reshape(n, s - 1, 6, -1)
+    motion[:, 1:s] = own[:, 1:-3].reshape(n, s - 1, 6, U.shape[1])
     motion[:, s, :3], motion[:, s, 3:] = parts.J @ U[-6:], own[:, -3:]
     return motion
 
@@ -212,7 +213,7 @@ def platform_mass(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
 
 def rigid_arm(arm: Floats) -> Floats:
     """Return J_i = [E_3, [A_i o x]] of Eq. (10), shape (3, 6); `arm` is o to A_i [m]."""
-    return rigid_arms(arm)
+    return np.asarray(rigid_arms(arm))
 
 
 def limb_selection(i: int, n: int, s: int, arm: NDArray[np.float64]) -> scipy.sparse.csr_array:
