@@ -4,7 +4,7 @@ __version__ = "0.1.0"
 
 from analytic.condensed import Condensed, condensed_frequencies
 from analytic.continuum import Continuum
-from analytic.errors import InputError
+from analytic.errors import InputError, NotCertifiedError
 from analytic.kinematics import Limbs, limbs_at
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
 from analytic.model import Info, Model
@@ -31,6 +31,7 @@ __all__ = [
     "Model",
     "Modes",
     "Multipliers",
+    "NotCertifiedError",
     "Platform",
     "Pose",
     "RegularWorkspace",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic import certified
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
@@ -210,7 +211,7 @@ def lowest(
             break
     for i in left:
         one = Characteristic(known.rods, lengths[i], vectors[i].reshape(n, 3, 6), elements)
-        values[i] = one.coupled(coupled).mean(axis=1)
+        values[i] = certified.middles(certified.coupled(one, coupled))
     if not torsion:
         return values
     twist = torsion_eigenvalues(known.rods, lengths, 1, elements)[..., 0]

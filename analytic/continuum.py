@@ -8,18 +8,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.centre_lines import centre_lines
+from analytic.certified import brackets, middles
 from analytic.condensed import condensed_frequencies
-from analytic.dynamic_stiffness import bending_waves
-from analytic.errors import InputError, number
-from analytic.kinematics import Limbs, limbs_at
+from analytic.errors import number
+from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count
-from analytic.pose import Pose
-from analytic.substructure import platform_mass
+from analytic.pose import Pose, one_pose
+from analytic.reduced import constants
 from analytic.theory import Theory
 from analytic.wittrick_williams import WIDTH, Characteristic, characteristic
 
+MOST = 10_000
+"""Most modes that are asked for at once."""
 REPEATED = 1e-9
 """Modes whose omega^2 are closer than this, relative, share one eigenspace."""
 
@@ -77,38 +80,44 @@ class Continuum:
     def brackets(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> NDArray[np.float64]:
         """Return lower and upper bounds of the lowest `count` frequencies, (count, 2) [Hz].
 
-        No more than 1e-12 apart, relative: fewer than k modes lie below the k-th lower bound, at
-        least k below the upper one. A mode of free motion has (0, upper).
+        Fewer than k modes lie below the k-th lower bound, at least k below the upper one: both are
+        counted, with a margin for rounding. They are 1e-12 apart, relative, or as far as rounding
+        demands, at most 1e-9. A free motion has (0, upper). Raises `NotCertifiedError` for a
+        frequency that double precision cannot tell so well.
         """
-        count = check_count(count, 10_000)
-        return np.sqrt(self._problem(mechanism, pose).brackets(count)[0]) / (2 * np.pi)
+        count = check_count(count, MOST)
+        return np.sqrt(brackets(self._problem(mechanism, pose), count)[0]) / (2 * np.pi)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose, each frequency exact to 1e-12.
+        """Return the `count` lowest modes at one pose, each frequency the middle of its bracket.
 
-        Raises `InputError` for a pose out of reach.
+        A free motion is 0 Hz. Raises `InputError` for a pose out of reach, `NotCertifiedError` as
+        `brackets` does.
         """
         begin = time.perf_counter()
-        count = check_count(count, 10_000)
+        count = check_count(count, MOST)
         problem = self._problem(mechanism, pose)
-        limbs = limbs_at(mechanism, pose)
         built = time.perf_counter()
-        bounds, twisting = problem.brackets(count)
-        eigenvalues = np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)
+        bounds, twisting = brackets(problem, count)
+        omega2 = middles(bounds)
         platform = np.zeros((count, 6))
         motion = np.zeros((count, len(mechanism.limbs), len(STATIONS), 3))
-        root = np.linalg.cholesky(platform_mass(mechanism, pose))
         # A limb that twists moves neither its centre line nor the platform.
         others = np.flatnonzero(twisting < 0)
-        near = np.diff(eigenvalues[others]) > REPEATED * eigenvalues[others][1:]
-        for group in np.split(others, np.flatnonzero(near) + 1):
-            if group.size:
-                free = eigenvalues[group[0]] == 0
-                U, w, F = eigenspace(problem, bounds[group].mean(), len(group), free)
-                platform[group] = np.linalg.solve(root.T, U.T).T
-                motion[group] = _centre_lines(problem, limbs, bounds[group].mean(), w, F)
+        if others.size:
+            groups = repeated(omega2, others)
+            at = np.array([bounds[group].mean() for group in groups])
+            sizes = np.array([len(group) for group in groups])
+            U, w, force = (
+                np.concatenate(parts) for parts in zip(*problem.eigenspace(at, sizes), strict=True)
+            )
+            limbs = limbs_at(mechanism, pose)
+            U = U @ constants(mechanism, self.theory).unit.T
+            platform[others] = (U.reshape(-1, 2, 3) @ limbs.rotation.T).reshape(-1, 6)
+            local = centre_lines(problem, np.repeat(at, sizes), w, force)
+            motion[others] = local @ limbs.frames.swapaxes(-1, -2)
         return Modes(
-            frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
+            frequencies=np.sqrt(omega2) / (2 * np.pi),
             platform=platform,
             limbs=motion,
             theory=self.theory.labels(mechanism),
@@ -122,92 +131,10 @@ class Continuum:
         )
 
     def _problem(self, mechanism: Mechanism, pose: Pose) -> Characteristic:
-        if pose.shape:
-            raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
-        return characteristic(mechanism, pose, self.theory)
+        return characteristic(mechanism, one_pose(mechanism, pose), self.theory)
 
 
-def eigenspace(
-    problem: Characteristic, eigenvalue: float, size: int, free: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return platform (size, 6), tip motion and tip forces (size, n, 3) of unit modal mass.
-
-    The modes are B's null vectors (of the static stiffness for `free` motion); their modal mass
-    is U^T M_p U - sum d_k'(lambda) w_k^2.
-    """
-    lam = np.array([eigenvalue])
-    B, stiff, d = problem.bordered(lam)
-    if free:
-        stiff = np.zeros_like(stiff)
-        held = problem.scale * [0.0, 1.0, 1.0]  # a pin does not resist
-        B = np.zeros_like(B)
-        B[0, :6, :6] = np.einsum("ik,ika,ikb->ab", held, problem.vectors, problem.vectors)
-        B[0, 6:, 6:] = np.eye(B.shape[1] - 6) * held.max()
-    values, vectors = np.linalg.eigh(B[0])
-    x = vectors[:, np.argsort(np.abs(values))[:size]].T
-    U = x[:, :6] / np.sqrt(eigenvalue)
-    w = (U @ problem.vectors.reshape(-1, 6).T).reshape(size, -1, 3)
-    # The unknown of a stiff direction is its force, of which 1 / d_k makes a motion near zero.
-    forces = x[:, 6:].reshape(w.shape) * np.sqrt(problem.scale)
-    forces = np.where(stiff[0], forces, d[0] * w)
-    w = np.where(stiff[0], forces / d[0], w)
-    slope = problem.slope(lam)
-    # Of a stiff direction by its force: -d' w^2 = -(d' / d^2) F^2.
-    mass = np.where(stiff, -slope / d**2, -slope)[0]
-    share = np.where(stiff[0], forces, w)
-    gram = U @ U.T + np.einsum("aik,ik,bik->ab", share, mass, share)
-    root = np.linalg.cholesky(gram)
-    U, w, forces = (
-        np.linalg.solve(root, y.reshape(size, -1)).reshape(y.shape) for y in (U, w, forces)
-    )
-    return U, w, forces
-
-
-def _centre_lines(
-    problem: Characteristic,
-    limbs: Limbs,
-    eigenvalue: float,
-    w: NDArray[np.float64],
-    forces: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return global displacement at `STATIONS`, shape (m, n, 11, 3), from tips' w and forces.
-
-    A limb's motion between is known up to a factor, taken from w and F together: at a fixed-tip
-    mode w is zero, at a free-tip mode F is.
-    """
-    rods, lengths = problem.rods, problem.lengths
-    waves = bending_waves(rods, lengths, np.full(len(lengths), eigenvalue), None)
-    local = np.zeros((*w.shape[:2], len(STATIONS), 3))
-    for i, length in enumerate(lengths):
-        k = np.sqrt(waves.K[:, i] + 0j)
-        x = STATIONS[:, None] * length
-        # Of each wave one part decays from the base and one from the tip: nothing overflows.
-        line = np.concatenate([np.exp(-k * x), np.exp(-k * (length - x))], axis=1)
-        sign = np.r_[-1.0, -1.0, 1.0, 1.0]
-        theta = sign * np.tile(waves.n[:, i] * k, 2)
-        force = sign * np.tile(waves.f[:, i] * k, 2)
-        moment = np.tile(waves.h[:, i], 2)
-        for direction, base in ((0, line[0] * moment), (1, line[0] * theta)):
-            conditions = np.stack([line[0], base, line[-1] * moment])
-            conditions /= np.linalg.norm(conditions, axis=1, keepdims=True)
-            amplitude = np.linalg.svd(conditions)[2][-1].conj()
-            tip = np.array([line[-1] @ amplitude, line[-1] * force @ amplitude])
-            factor = _factor(tip, w[:, i, direction], forces[:, i, direction], problem.scale[i, 0])
-            local[:, i, :, direction] = np.outer(factor, line @ amplitude).real
-        k_z = np.sqrt(eigenvalue / rods.axial_speed2[i])
-        tip = np.array([np.sin(k_z * length), rods.EA[i] * k_z * np.cos(k_z * length)])
-        factor = _factor(tip, w[:, i, 2], forces[:, i, 2], problem.scale[i, 2])
-        local[:, i, :, 2] = np.outer(factor, np.sin(k_z * STATIONS * length)).real
-    return np.asarray(np.einsum("ixk,misk->misx", limbs.frames, local))
-
-
-def _factor(
-    tip: NDArray[np.complex128],
-    w: NDArray[np.float64],
-    force: NDArray[np.float64],
-    scale: float,
-) -> NDArray[np.complex128]:
-    """Return the least-squares factor of a solution whose tip has (w, F) = `tip`, shape (m,)."""
-    weighted = tip * [scale, 1.0]
-    target = np.stack([w * scale, force], axis=-1)
-    return np.asarray(target @ weighted.conj() / (np.abs(weighted) ** 2).sum())
+def repeated(omega2: NDArray[np.float64], modes: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Return `modes` in groups of those whose `omega2`, ascending, repeat."""
+    own = omega2[modes]
+    return np.split(modes, np.flatnonzero(np.diff(own) > REPEATED * own[1:]) + 1)

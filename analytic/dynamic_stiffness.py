@@ -93,15 +93,16 @@ def bending_waves(rods: Sections, lengths: Array, eigenvalue: Array, elements: i
 def _continuum_waves(rods: Sections, lengths: Array, lam: Array) -> Waves:
     # theta' = G w with G^2 + lambda (rhoI/EI - sigma) G - lambda rhoA/EI = 0, k^2 = G - lambda
     # sigma, sigma = rhoA / (kappa G A). Each root is taken where nothing cancels.
-    mass = lam * rods.line_mass / rods.EI
-    shear = mass * rods.flexibility / 12
-    rotary = lam * rods.line_inertia / rods.EI
+    mass = lam * (rods.line_mass / rods.EI)
+    shear = mass * (rods.flexibility / 12)
+    rotary = lam * (rods.line_inertia / rods.EI)
     G1, G2 = _quadratic(rotary - shear, -mass)
-    G1, G2 = _ordered(G1, G2)
-    K2 = G2 - shear
+    swap = G1.real < G2.real
+    G = np.stack([np.where(swap, G2, G1), np.where(swap, G1, G2)])
+    K2 = G[1] - shear
     K1 = -mass * (1 - rotary * rods.flexibility / 12) / K2
     K1 = np.where(np.abs(K1) < TINY * np.abs(K2), TINY * np.abs(K2), K1)
-    G, K = np.stack([G1, G2]), np.stack([K1, K2])
+    K = np.stack([K1, K2])
     kappa, eta = _continuum_tip(K, lengths)
     return Waves(K, G / K, -lam * rods.line_mass / K, rods.EI * G, kappa, eta)
 
@@ -154,17 +155,18 @@ def chain_element(rods: Sections, length: Array) -> tuple[tuple[Array, ...], tup
 
 
 def _quadratic(b: Array, c: Array) -> tuple[Array, Array]:
-    """Return the two roots of x^2 + b x + c, complex, without cancellation."""
-    root = np.sqrt(b * b - 4 * c + 0j)
+    """Return the two roots of x^2 + b x + c without cancellation; real ones of real b and c."""
+    square = b * b - 4 * c
+    if _stepping(square) and (square.real > 0).all():
+        root = np.sqrt(square)
+    else:
+        root = np.sqrt(square + 0j)
     larger = -(b + np.where(b.real < 0, -root, root)) / 2
     return larger, c / larger
 
 
-def _ordered(a: Array, b: Array) -> tuple[Array, Array]:
-    swap = a.real < b.real
-    return np.where(swap, b, a), np.where(swap, a, b)
-
-
+CIRCLE, POINTS = 0.2, 24
+"""Radius, in first poles, and points of the circle on which a series about zero is found."""
 NEARLY_REAL = 1e-9
 """A smaller relative imaginary part is a complex step: its square is beyond the last digit."""
 TINY = 1e-16
@@ -173,6 +175,8 @@ TINY = 1e-16
 
 def _continuum_tip(K: Array, length: Array) -> tuple[Array, Array]:
     """Return kappa = k coth(k L) and eta = k / sinh(k L), k^2 = K."""
+    if _stepping(K) and _stepping(length):
+        return _real_tip(K, length)
     K, length = np.broadcast_arrays(K, length)
     k, L = np.sqrt(_base(K) + 0j), _base(length)
     kappa, eta = _hyperbolic(k, k * L)
@@ -182,6 +186,25 @@ def _continuum_tip(K: Array, length: Array) -> tuple[Array, Array]:
         _stepped(kappa, (K, by_K[0]), (length, by_L[0])),
         _stepped(eta, (K, by_K[1]), (length, by_L[1])),
     )
+
+
+def _real_tip(K: Array, length: Array) -> tuple[Array, Array]:
+    """Return what `_continuum_tip` does where K is real but for a complex step."""
+    travels = K.real < 0
+    k = np.sqrt(np.where(travels, -K, K))
+    y = k * length
+    decaying = np.where(travels, 1.0, y)
+    e, one_minus = np.exp(-decaying), -np.expm1(-2 * decaying)
+    sine, cosine = np.sin(y), np.cos(y)
+    # A phase that rounds to a multiple of pi is a pole passed by less than the last digit.
+    sine = np.where(sine == 0, TINY, sine)
+    kappa = k * np.where(travels, cosine / sine, (1 + e * e) / one_minus)
+    return kappa, k * np.where(travels, 1 / sine, 2 * e / one_minus)
+
+
+def _stepping(x: Array) -> bool:
+    """Return whether `x` is real but for complex steps."""
+    return not np.iscomplexobj(x) or bool(_is_step(x).all())
 
 
 def _chain_tip(e: Array, s: int) -> tuple[Array, Array]:
@@ -257,10 +280,45 @@ def axial_stiffness(
     return rods.EA / length * (1 + x / 6) * kappa
 
 
+def limb_response(
+    rods: Sections, lengths: Array, eigenvalue: Array, elements: int | None
+) -> tuple[Array, NDArray[np.int64]]:
+    """Return (d_x, d_y, d_z) [N/m] and how many modes have the tip held, both (..., n, 3).
+
+    What `limb_stiffness` and `fixed_tip_counts` return, of one evaluation: a d_k is positive just
+    above the same pole that its count has just passed, to the last digit.
+    """
+    waves = bending_waves(rods, lengths, eigenvalue, elements)
+    pinned, clamped, clamp = bending_stiffness(waves)
+    axial = axial_stiffness(rods, lengths, eigenvalue, elements)
+    if elements is None:
+        families = _passed(waves.K, waves.kappa, lengths)
+        # Above the cut-on a second family starts, with the shear mode w = 0 as its first member.
+        held = families[0] + families[1] + (waves.K[0].real < 0)
+        stretched = _passed(-eigenvalue / rods.axial_speed2, axial, lengths)
+    else:
+        held = _pinned_chain_count(rods, lengths, np.real(eigenvalue), elements)
+        stretched, _ = _bar_counts(rods.axial_speed2, lengths, np.real(eigenvalue), elements)
+    d = np.stack(np.broadcast_arrays(pinned, clamped, axial), axis=-1)
+    # Pinned-pinned modes have closed forms; a clamp at the base takes one of them away where the
+    # base's rotational stiffness is negative.
+    counts = np.broadcast_arrays(held, held - (clamp.real < 0), stretched)
+    return d, np.stack(counts, axis=-1).astype(np.int64)
+
+
+def _passed(K: Array, kappa: Array, length: Array) -> Array:
+    """Return how many poles of kappa = k cot(k L) lie below, one at each multiple of pi."""
+    half_waves = np.sqrt(np.maximum(-np.real(K), 0.0)) * np.real(length) / np.pi
+    nearest = np.rint(half_waves)
+    # Next to a pole the sign of kappa says on which side of it rounding has put this one.
+    beside = np.abs(half_waves - nearest) < 0.25
+    return np.asarray(np.where(beside, nearest - (kappa.real < 0), np.floor(half_waves)))
+
+
 def limb_stiffness(
     rods: Sections, lengths: Array, eigenvalue: Array, elements: int | None
 ) -> Array:
-    """Return (d_x, d_y, d_z) of every limb [N/m], complex, shape (..., n, 3)."""
+    """Return (d_x, d_y, d_z) of every limb [N/m], shape (..., n, 3); complex of complex input."""
     pinned, clamped, _ = bending_stiffness(bending_waves(rods, lengths, eigenvalue, elements))
     axial = axial_stiffness(rods, lengths, eigenvalue, elements)
     return np.stack(np.broadcast_arrays(pinned, clamped, axial), axis=-1)
@@ -272,24 +330,19 @@ def fixed_tip_counts(
     """Return how many modes each limb has below `eigenvalue` with its tip held at A_i.
 
     Shape (..., n, 4): bending about the revolute axis, bending across it, axial, torsion; J_0 of
-    Wittrick and Williams (1971) is their sum. Pinned-pinned modes have closed forms; a clamp at
-    the base takes one of them away where the base's rotational stiffness is negative.
+    Wittrick and Williams (1971) is their sum.
     """
-    waves = bending_waves(rods, lengths, eigenvalue, elements)
-    clamp = bending_stiffness(waves)[2].real
-    if elements is None:
-        travelling = np.maximum(-waves.K.real, 0.0)
-        half_waves = np.sqrt(travelling) * lengths / np.pi
-        # Above the cut-on a second family starts, with the shear mode w = 0 as its first member.
-        pinned = np.ceil(half_waves[0]) + np.maximum(np.ceil(half_waves[1]) - 1, 0)
-    else:
-        pinned = _pinned_chain_count(rods, lengths, eigenvalue, elements)
-    axial, torsion = (
-        _bar_counts(speed2, lengths, eigenvalue, elements)
-        for speed2 in (rods.axial_speed2, rods.torsion_speed2)
-    )
-    counts = np.broadcast_arrays(pinned, pinned - (clamp < 0), axial[0], torsion[1])
-    return np.stack(counts, axis=-1).astype(np.int64)
+    _, counts = limb_response(rods, lengths, eigenvalue, elements)
+    torsion = torsion_counts(rods, lengths, eigenvalue, elements)
+    return np.concatenate([counts, np.broadcast_to(torsion, counts.shape[:-1])[..., None]], axis=-1)
+
+
+def torsion_counts(
+    rods: Sections, lengths: Array, eigenvalue: Array, elements: int | None
+) -> NDArray[np.int64]:
+    """Return how many modes of torsion each limb has below `eigenvalue`, shape (..., n)."""
+    counts = _bar_counts(rods.torsion_speed2, lengths, eigenvalue, elements)[1]
+    return np.asarray(counts).astype(np.int64)
 
 
 def _pinned_chain_count(
@@ -323,6 +376,45 @@ def _bar_counts(
     half_waves = elements * 2 * np.arcsin(sine) / np.pi
     fixed = np.minimum(np.ceil(half_waves) - 1, elements - 1)
     return fixed, np.ceil(np.minimum(half_waves - 0.5, elements - 0.5))
+
+
+def static_stiffness(rods: Sections, lengths: Array) -> Array:
+    """Return d_x = 0, d_y = 3 EI / L^3 (1 + Phi / 4) and d_z = EA / L at rest, (..., n, 3) [N/m].
+
+    Phi = 12 EI / (kappa G A L^2). Elements have the same: their interpolation is exact in statics.
+    """
+    clamped = 3 * rods.EI / (lengths * (lengths**2 + rods.flexibility / 4))
+    return np.stack([np.zeros_like(clamped), clamped, rods.EA / lengths], axis=-1)
+
+
+def first_poles(rods: Sections, lengths: Array) -> Array:
+    """Return omega^2 of the first modes between pins and along the limb, (..., n, 3) [1/s^2].
+
+    Without elements; clamped at the base a limb's first mode is higher than between pins.
+    """
+    p = (np.pi / lengths) ** 2
+    shear = rods.line_mass * rods.flexibility / (12 * rods.EI)
+    rotary = rods.line_inertia / rods.EI
+    b = (shear + rotary) * p + rods.line_mass / rods.EI
+    bending = 2 * p**2 / (b + np.sqrt(b**2 - 4 * shear * rotary * p**2))
+    return np.stack([bending, bending, p * rods.axial_speed2], axis=-1)
+
+
+def softening_series(rods: Sections, lengths: Array, elements: int | None, terms: int) -> Array:
+    """Return c_1 ... of d_k(lambda) = d_k(0) + sum_j c_j (lambda / first pole)^j [N/m].
+
+    Shape (terms, ..., n, 3). By Cauchy's integral on a circle where the closed forms lose no
+    digits, as they do near zero.
+    """
+    circle = CIRCLE * np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
+    poles = first_poles(rods, lengths)
+    around = circle.reshape(-1, *([1] * (poles.ndim - 1)))
+    waves = bending_waves(rods, lengths, around * poles[..., 0], elements)
+    pinned, clamped, _ = bending_stiffness(waves)
+    axial = axial_stiffness(rods, lengths, around * poles[..., 2], elements)
+    values = np.stack(np.broadcast_arrays(pinned, clamped, axial), axis=-1)
+    powers = circle[None, :] ** -np.arange(1, terms + 1)[:, None]
+    return np.asarray(np.tensordot(powers, values, axes=1).real / POINTS)
 
 
 def torsion_eigenvalues(rods: Sections, lengths: Array, count: int, elements: int | None) -> Array:

@@ -1,56 +1,80 @@
-"""Eqs. (23)-(24): the lowest natural frequencies and modes of (K, M)."""
+"""Eqs. (23)-(24): the lowest natural frequencies and modes of (K, M).
+
+LAPACK's error is relative to the largest eigenvalue, and that of (K, M) grows with s^4: solved is
+M x = mu K x, whose largest mu = 1 / omega^2 are wanted. Two things this leaves: K of short elements
+is rounded by more than the last digits of its lowest modes, and where the mechanism moves freely K
+is singular. Both are mended by `refined`, from the strains of the modes found.
+"""
 
 from __future__ import annotations  # scipy loads its parts when they are first used
 
-from contextlib import suppress
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.lanczos import SingularError, lowest_sparse
+from analytic.lanczos import is_sparse, lowest_sparse
 
 Array = NDArray[np.float64]
-FREE = 1e-10
-"""A ratio of eigenvalues at which the lower one is a free motion rather than a vibration."""
+SPREAD = 1e4
+"""Omega^2 of the last mode over the first from which on strains are needed for the last digits."""
 
 
-def lowest_modes(
-    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int, solver: str
-) -> tuple[Array, Array]:
-    """Return frequencies [Hz], shape (count,), and mass-normalised vectors, (dofs, count).
+def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array, Array]:
+    """Return the `count` lowest omega^2, ascending, and mass-normalised vectors, (dofs, count).
 
-    (K - omega_i^2 M) Phi_i = 0. `solver`: "dense" (LAPACK) or "sparse" (block
-    Lanczos; LAPACK as well where a free motion makes K singular).
+    (K - omega^2 M) Phi = 0 for arrays (by LAPACK) or sparse arrays (by block Lanczos), through the
+    inverse of K + `shift` M. Raises `LinAlgError` where that is not positive definite.
     """
-    if solver == "sparse":
-        with suppress(SingularError):
-            return hertz(*lowest_sparse(K, M, count))
-    return hertz(*_dense(K.toarray(), M.toarray(), count))
+    if is_sparse(K):
+        return lowest_sparse(K, M, count, shift)
+    mu, x = _largest(K, M, count, shift, vectors=True)
+    return 1 / mu[::-1] - shift, (x / np.sqrt(mu))[:, ::-1]
 
 
-def hertz(values: Array, vectors: Array) -> tuple[Array, Array]:
-    """Return frequencies of omega^2, and the vectors as they are."""
-    # A mechanism that can move freely has omega = 0, up to rounding of either sign.
-    return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), vectors
+def lowest_values(K: Array, M: Array, count: int) -> Array:
+    """Return what `lowest_modes` returns of a dense pair, but for the vectors."""
+    return 1 / _largest(K, M, count, 0.0, vectors=False)[0][::-1]
 
 
-def _dense(K: Array, M: Array, count: int) -> tuple[Array, Array]:
-    """Return the lowest eigenvalues and mass-normalised vectors of a dense pair.
-
-    LAPACK's error is relative to the largest eigenvalue, and that of (K, M) grows with s^4: so
-    solve M x = mu K x, whose largest mu are wanted, unless K is singular (a free motion).
-    """
+def _largest(K: Array, M: Array, count: int, shift: float, *, vectors: bool) -> tuple[Array, Array]:
+    """Return the largest mu of M x = mu (K + shift M) x, ascending, and x^T (K + shift M) x = 1."""
     size = len(K)
-    try:
-        mu, x = scipy.linalg.eigh(
-            M, K, subset_by_index=(size - count, size - 1), check_finite=False
-        )
-    except np.linalg.LinAlgError:
-        mu = np.zeros(1)
-    if mu[0] <= FREE * mu[-1]:
-        values, vectors = scipy.linalg.eigh(
-            K, M, subset_by_index=(0, count - 1), check_finite=False
-        )
-        return values, vectors
-    return 1 / mu[::-1], (x / np.sqrt(mu))[:, ::-1]
+    held = K + shift * M if shift else K
+    # A symmetric matrix seen by columns is the same one: nothing is copied but what is overwritten.
+    mu, x, _, _, info = scipy.linalg.lapack.dsygvx(
+        M.T, held.T, jobz="V" if vectors else "N", range="I", il=size - count + 1, iu=size
+    )
+    if info:
+        raise np.linalg.LinAlgError(f"K is not positive definite, or no convergence ({info})")
+    return mu[:count], x[:, :count]
+
+
+def refined(
+    M: Any, u: Array, strains: Callable[[Array], Array], free: int, shift: float
+) -> tuple[Array, Array]:
+    """Return omega^2 and mass-normalised vectors in the space of `u`, from their strains.
+
+    `strains(u)` = e with e^T e = u^T K u (see `beam.strains`). By Rayleigh and Ritz: an error of u
+    enters squared. The first `free` have omega^2 = 0: the mechanism's free motions.
+    """
+    size = 1 / np.sqrt((u * (M @ u)).sum(axis=0))
+    u = u * size
+    e = strains(u)
+    mass, stiffness = u.T @ (M @ u), e.T @ e
+    mu, y = scipy.linalg.eigh(mass, stiffness + shift * mass)
+    y = y[:, ::-1] / np.sqrt(mu[::-1])
+    # Each by its own strains: a sum of squares, small where the mode is slow.
+    values = ((e @ y) ** 2).sum(axis=0)
+    values[:free] = 0.0
+    order = np.argsort(values, kind="stable")
+    return values[order], u @ y[:, order]
+
+
+def hertz(eigenvalues: Array) -> Array:
+    """Return f = omega / 2 pi of omega^2; raises `ArithmeticError` for a negative one."""
+    if not (eigenvalues >= 0).all():
+        raise ArithmeticError(f"omega^2 = {eigenvalues.min():.3g} 1/s^2 is below zero")
+    return np.sqrt(eigenvalues) / (2 * np.pi)

@@ -13,6 +13,13 @@ class InputError(ValueError):
         super().__init__(f"{argument} = {_shown(value)}: expected {expected}")
 
 
+class NotCertifiedError(ValueError):
+    """A number that double precision cannot bound as closely as promised, said in one sentence."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f"double precision cannot certify {what}")
+
+
 def _shown(value: object) -> str:
     text = str(value) if isinstance(value, (int, float, np.number)) else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

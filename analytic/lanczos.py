@@ -8,6 +8,7 @@ copies as it has columns, and the inertia of K - omega^2 M says whether any is m
 from __future__ import annotations  # scipy loads its parts when they are first used
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy
@@ -18,28 +19,32 @@ CONVERGED = 1e-10
 """Residual of a mode, relative to its eigenvalue of the inverse; the eigenvalue's is its square."""
 STALLED = 1e-5
 """Residual that is taken if rounding lets it shrink no further, as with hundreds of elements."""
+ROUNDING = 1e-2
+"""The same, if three blocks have not shrunk it at all: what is left is the inverse's rounding."""
 DISTINCT = 1e-9
 """omega^2 closer than this, relative, are not told apart by the count; nor is what rounding of K
 moves, a few parts in 1e16 of the largest omega^2 of a single coordinate."""
+SAME = 1e-3
+"""Omega^2 of two solutions closer than this, relative, are those of one set of modes."""
 SINGULAR = 1e-12
 """A pivot below this part of its diagonal entry is zero but for rounding."""
 
 
-class SingularError(ArithmeticError):
+class SingularError(np.linalg.LinAlgError):
     """A matrix that cannot be eliminated."""
 
 
 def lowest_sparse(
-    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int
+    K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, count: int, shift: float = 0.0
 ) -> tuple[Array, Array]:
     """Return the `count` lowest omega^2 of (K, M), ascending, and mass-normalised vectors.
 
-    Coordinates should run along the chains of a structure: they are eliminated in the order given.
-    Raises `SingularError` where K is singular.
+    By the inverse of K + `shift` M. Coordinates should run along the chains of a structure: they
+    are eliminated in the order given. Raises `SingularError` where that matrix is singular.
     """
-    inverse = factor(K)
+    inverse = factor(K + shift * M if shift else K)
     if (pivots(inverse) < SINGULAR * K.diagonal()).any():
-        raise SingularError
+        raise SingularError("K + shift M is not positive definite")
     return lowest(K, M, count, inverse.solve, (K, M))
 
 
@@ -55,7 +60,7 @@ def lowest(
     `counted` is the pair whose inertia counts the modes: (K, M), or what constraints leave of it.
     """
     rounding = 4 * np.finfo(float).eps * (K.diagonal() / M.diagonal()).max()
-    block = count + 2
+    block, before = count + 2, np.full(count, np.nan)
     while True:
         u = _block_lanczos(solve, M, count, block)
         # Rayleigh's quotient: free of what a shift rounds off.
@@ -63,10 +68,13 @@ def lowest(
         order = np.argsort(values)
         values, u = values[order], u[:, order]
         below = values[-1] - max(DISTINCT * abs(values[-1]), rounding)
-        # A block as wide as the space leaves nothing out, whatever rounding does to the count.
-        if _count(*counted, below) == (values < below).sum() or block >= K.shape[0]:
+        if _count(*counted, below) == (values < below).sum():
             return values, u
-        block *= 2
+        # Twice the block finds what the first one left out. If that was nothing, rounding of K has
+        # moved a mode past where they were counted.
+        if np.allclose(values, before, rtol=SAME, atol=rounding) or block >= K.shape[0]:
+            return values, u
+        block, before = 2 * block, values
 
 
 def _count(K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, value: float) -> int | None:
@@ -75,6 +83,11 @@ def _count(K: scipy.sparse.csr_array, M: scipy.sparse.csr_array, value: float) -
         return int((pivots(factor(K - value * M)) < 0).sum())
     except SingularError:
         return None
+
+
+def is_sparse(A: Any) -> bool:
+    """Return whether a matrix is stored as a sparse one."""
+    return bool(scipy.sparse.issparse(A))
 
 
 def factor(A: scipy.sparse.csr_array) -> scipy.sparse.linalg.SuperLU:
@@ -110,11 +123,12 @@ def _block_lanczos(
     # A fixed start: the same input gives the same bits.
     W = solve(np.random.default_rng(0).standard_normal((size, block)))
     V, Z = np.empty((size, 0)), np.empty((size, 0))
-    last = np.inf
+    last, still = np.inf, 0
     while True:
         W = _orthonormal(W, V, M)
         V = np.hstack([V, W])
-        exhausted = not W.shape[1]
+        # As many columns as the space has leave nothing out, though rounding finds ever more.
+        exhausted = not W.shape[1] or V.shape[1] >= size
         W = solve(M @ W)
         Z = np.hstack([Z, W])
         T = (M @ V).T @ Z
@@ -123,7 +137,9 @@ def _block_lanczos(
         u = V @ y
         gap = Z @ y - u * mu
         residual = (np.sqrt((gap * (M @ gap)).sum(axis=0)) / mu).max()
+        still = still + 1 if residual > 0.9 * last else 0
         stalled = residual < STALLED and residual > last / 2
+        stalled |= residual < ROUNDING and still == 3
         if len(mu) == count and (exhausted or residual <= CONVERGED or stalled):
             # Once more through the inverse: rounding has left traces of high modes in u, which
             # Rayleigh's quotient would multiply by their omega^2.

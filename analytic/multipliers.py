@@ -10,24 +10,20 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from analytic import assembly
+from analytic.chains import Chains, chains
 from analytic.continuum import Continuum
-from analytic.eigen import hertz, lowest_modes
+from analytic.eigen import SPREAD, hertz, lowest_modes, refined
 from analytic.errors import InputError
-from analytic.errors import count as whole
-from analytic.kinematics import Limbs
-from analytic.lanczos import factor, lowest
+from analytic.lanczos import factor, is_sparse, lowest
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
-from analytic.substructure import (
-    limb_matrices,
-    limb_motion,
-    limbs_at_one,
-    platform_mass,
-    rigid_arm,
-)
+from analytic.substructure import DENSE, EXACT, few, limbs_at_one
 from analytic.theory import Theory
+
+Floats = NDArray[np.float64]
 
 SOLVERS = ("null-space", "saddle-point")
 BASES = ("revolute", "free")
@@ -40,8 +36,10 @@ class Multipliers:
     u holds all nodes of all limbs, 6 (s+1) a limb of `elements` s, and the platform's six. C has
     three rows a spherical joint and five a revolute one. `solver`:
 
-    - "null-space": u = N x with C N = 0, then the dense pair (N^T K N, N^T M N); mu drops out.
-    - "saddle-point": ([[K, C^T], [C, 0]] - omega^2 [[M, 0], [0, 0]]) [u; mu] = 0, sparse.
+    - "null-space": u = N x with C N = 0, then the pair (N^T K N, N^T M N); mu drops out.
+    - "saddle-point": ([[K, C^T], [C, 0]] - omega^2 [[M, 0], [0, 0]]) [u; mu] = 0.
+
+    Few coordinates are solved for by LAPACK, many by sparse elimination and Lanczos.
 
     `base="free"` leaves out the revolute joints. The paper says of its ref. 15 that it "only
     considers the deformation coordination between the moving platform and limbs, and the boundary
@@ -50,8 +48,8 @@ class Multipliers:
     each of n limbs about its A_i) and no frequency of the mechanism. What ref. 15 itself computes
     is not in the paper's text, and is not claimed here.
 
-    `beam` and `shear` as in `Substructure`. Raises `InputError` for unknown names or fewer than
-    one element.
+    `beam` and `shear` as in `Substructure`. Raises `InputError` for unknown names, or as
+    `Substructure` for elements.
     """
 
     elements: int = 3
@@ -61,7 +59,7 @@ class Multipliers:
     base: str = "revolute"
 
     def __post_init__(self) -> None:
-        whole("elements", self.elements)
+        object.__setattr__(self, "elements", few(self.elements))
         Theory(self.beam, self.shear)
         if self.solver not in SOLVERS:
             raise InputError("solver", self.solver, f"one of {', '.join(SOLVERS)}")
@@ -89,25 +87,13 @@ class Multipliers:
             return np.empty((*poses.shape, count))
         return np.stack([self.frequencies(mechanism, pose, count) for pose in poses])
 
-    def matrices(
-        self, mechanism: Mechanism, pose: Pose
-    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array, scipy.sparse.csr_array]:
-        """Return K, M, both (N, N), and C, (c, N): N = 6 n (s+1) + 6, c = 8 n (3 n, base free)."""
-        return self._matrices(mechanism, pose, limbs_at_one(mechanism, pose))
+    def matrices(self, mechanism: Mechanism, pose: Pose) -> tuple[Any, Any, Any]:
+        """Return K, M, both (N, N), and C, (c, N): N = 6 n (s+1) + 6, c = 8 n (3 n, base free).
 
-    def _matrices(
-        self, mechanism: Mechanism, pose: Pose, limbs: Limbs
-    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array, scipy.sparse.csr_array]:
-        s, n = self.elements, len(mechanism.limbs)
-        K, M = zip(
-            *(limb_matrices(mechanism, limbs, i, s, self.theory) for i in range(n)), strict=True
-        )
-        K_all = scipy.sparse.csr_array(scipy.sparse.block_diag([*K, np.zeros((6, 6))]))
-        M_all = scipy.sparse.csr_array(
-            scipy.sparse.block_diag([*M, platform_mass(mechanism, pose)])
-        )
-        axes = mechanism.axes if self.base == "revolute" else None
-        return K_all, M_all, joints(limbs.arms, axes, s)
+        Sparse.
+        """
+        parts = self._chains(mechanism, pose)
+        return *_pair(parts, sparse=True), scipy.sparse.csr_array(self._joints(parts))
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; `dofs` counts what is solved for.
@@ -116,24 +102,28 @@ class Multipliers:
         "saddle-point". Raises `InputError` for a pose out of reach, or more modes than N - c.
         """
         begin = time.perf_counter()
-        limbs = limbs_at_one(mechanism, pose)
-        K, M, C = self._matrices(mechanism, pose, limbs)
-        dofs = K.shape[0] - C.shape[0]
+        parts = self._chains(mechanism, pose)
+        C = self._joints(parts)
+        dofs = C.shape[1] - C.shape[0]
         check_count(count, dofs)
+        K, M = _pair(parts, sparse=dofs > DENSE)
         built = time.perf_counter()
+        n = len(parts.arms)
+        free, shift = parts.free_motions()
+        if self.base == "free":
+            free, shift = 6 + 3 * n, parts.limb_scale
         if self.solver == "null-space":
-            N = null_space(C)
-            frequencies, x = lowest_modes(N.T @ K @ N, N.T @ M @ N, count, "dense")
-            u = N @ x
+            values, u = _null_space(K, M, C, count, shift, parts.unit)
         else:
-            dofs = K.shape[0] + C.shape[0]
-            frequencies, u = _saddle_point(K, M, C, count, _limb_scale(mechanism, limbs))
+            dofs = sum(C.shape)
+            values, u = _saddle_point(K, M, C, count, parts.limb_scale, parts.unit)
+        if shift or self.elements > EXACT or values[-1] > SPREAD * values[0]:
+            values, u = refined(M, u, lambda u: parts.strains(_nodes(parts, u)), free, shift)
         solved = time.perf_counter()
-        nodes = np.split(u[:-6], len(mechanism.limbs))
         return Modes(
-            frequencies=frequencies,
+            frequencies=hertz(values),
             platform=u[-6:].T,
-            limbs=limb_motion(mechanism, limbs, nodes, self.theory),
+            limbs=parts.centre_lines(_nodes(parts, u)),
             theory=self.theory.labels(mechanism),
             model="multipliers",
             version=f"rps-bench, {self.solver}",
@@ -144,71 +134,113 @@ class Multipliers:
             solve_seconds=solved - built,
         )
 
+    def _chains(self, mechanism: Mechanism, pose: Pose) -> Chains:
+        return chains(mechanism, limbs_at_one(mechanism, pose), self.elements, self.theory)
 
-def joints(
-    arms: NDArray[np.float64], axes: NDArray[np.float64] | None, s: int
-) -> scipy.sparse.csr_array:
-    """Return C of C u = 0 for limbs of s elements, each row a unit coordinate of its limb.
+    def _joints(self, parts: Chains) -> Floats:
+        return joints(parts.J, parts.frames if self.base == "revolute" else None, self.elements)
 
-    Spherical at A_i: Delta_A - J_i U_p = 0, Eq. (10). Revolute at B_i about `axes` (n, 3), if any:
-    Delta_B = 0 and Phi_B . t = 0 for two directions t across the axis.
+
+def _pair(parts: Chains, *, sparse: bool) -> tuple[Any, Any]:
+    """Return K and M of all bodies, free of each other."""
+    blocks = [parts.T.swapaxes(1, 2) @ parts.element_matrices() @ parts.T]
+    platform = np.stack([np.zeros((6, 6)), parts.platform_mass])
+    return assembly.free(len(parts.arms), parts.elements, sparse=sparse).pair([*blocks, platform])
+
+
+def _nodes(parts: Chains, u: Floats) -> Floats:
+    return u[:-6].reshape(len(parts.arms), parts.elements + 1, 6, -1)
+
+
+def joints(J: Floats, frames: Floats | None, s: int) -> Floats:
+    """Return C of C u = 0, (8 n or 3 n, 6 n (s + 1) + 6), for limbs of s elements.
+
+    Spherical at A_i, three rows a limb: Delta_A - J_i U_p = 0, Eq. (10), `J` (n, 3, 6). Revolute at
+    B_i, five more, if `frames` (n, 3, 3) of the limbs are given: Delta_B = 0 and Phi_B . t = 0 for
+    the two directions across the axis, x_i and z_i.
     """
-    n, own = len(arms), 6 * (s + 1)
-    rows = []
-    for i, arm in enumerate(arms):
-        tip = i * own + 6 * s
-        spherical = scipy.sparse.lil_array((3, n * own + 6))
-        spherical[:, tip : tip + 3] = np.eye(3)
-        spherical[:, -6:] = -rigid_arm(arm)
-        rows.append(spherical)
-        if axes is not None:
-            revolute = scipy.sparse.lil_array((5, n * own + 6))
-            revolute[:3, i * own : i * own + 3] = np.eye(3)
-            revolute[3:, i * own + 3 : i * own + 6] = scipy.linalg.null_space(axes[i][None]).T
-            rows.append(revolute)
-    return scipy.sparse.csr_array(scipy.sparse.vstack(rows))
+    n = len(J)
+    rows = 3 if frames is None else 8
+    C = np.zeros((n, rows, n, s + 1, 6))
+    i, k = np.arange(n)[:, None], np.arange(3)
+    C[i, k, i, s, k] = 1.0
+    if frames is not None:
+        C[i, 3 + k, i, 0, k] = 1.0
+        i = i[..., None]
+        C[i, np.array([[6], [7]]), i, 0, 3 + k] = frames[:, :, [0, 2]].swapaxes(1, 2)
+    platform = np.zeros((n, rows, 6))
+    platform[:, :3] = -J
+    return np.hstack([C.reshape(n * rows, -1), platform.reshape(n * rows, 6)])
 
 
-def null_space(C: scipy.sparse.csr_array) -> scipy.sparse.csr_array:
-    """Return an orthonormal N with C N = 0, shape (N, N - c): coordinates no joint holds stay."""
-    held = np.unique(C.indices)
-    others = np.setdiff1d(np.arange(C.shape[1]), held)
-    basis = scipy.linalg.qr(C[:, held].toarray().T)[0][:, C.shape[0] :]
+def null_space(C: Any, unit: float = 1.0) -> scipy.sparse.csr_array:
+    """Return N with C N = 0, shape (N, N - c): coordinates no joint holds stay.
+
+    The others' columns are orthonormal once rotations are multiplied by `unit` [m].
+    """
+    C = C.toarray() if is_sparse(C) else C
+    others, held, basis = _split(C, unit)
     result = scipy.sparse.lil_array((C.shape[1], len(others) + basis.shape[1]))
     result[others, np.arange(len(others))] = 1.0
     result[held, len(others) :] = basis
     return scipy.sparse.csr_array(result)
 
 
+def _split(C: Floats, unit: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """Return the coordinates in no joint, those in one, and a basis of what C lets these do."""
+    touched = C.any(axis=0)
+    held, others = np.flatnonzero(touched), np.flatnonzero(~touched)
+    scale = np.where(held % 6 < 3, 1.0, 1 / unit)
+    Q = np.linalg.qr((C[:, held] * scale).T, mode="complete")[0]
+    return others, held, scale[:, None] * Q[:, len(C) :]
+
+
+def _null_space(
+    K: Any, M: Any, C: Floats, count: int, shift: float, unit: float
+) -> tuple[Floats, Floats]:
+    """Return omega^2 and u, mass-normalised, from the pair that the null space of C leaves."""
+    if is_sparse(K):
+        N = null_space(C, unit)
+        values, x = lowest_modes(N.T @ K @ N, N.T @ M @ N, count, shift)
+        return values, N @ x
+    others, held, basis = _split(C, unit)
+    order, a = np.concatenate([others, held]), len(others)
+    both = np.stack([K, M])[:, order[:, None], order]
+    left = both[:, :, a:] @ basis
+    reduced = np.empty((2, a + basis.shape[1], a + basis.shape[1]))
+    reduced[:, :a, :a], reduced[:, :a, a:] = both[:, :a, :a], left[:, :a]
+    reduced[:, a:, :a] = left[:, :a].swapaxes(1, 2)
+    reduced[:, a:, a:] = basis.T @ left[:, a:]
+    values, x = lowest_modes(reduced[0], reduced[1], count, shift)
+    u = np.empty((len(order), count))
+    u[others], u[held] = x[:a], basis @ x[a:]
+    return values, u
+
+
 def _saddle_point(
-    K: scipy.sparse.csr_array,
-    M: scipy.sparse.csr_array,
-    C: scipy.sparse.csr_array,
-    count: int,
-    shift: float,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Solve the augmented pair by inverting [[K + shift M, C^T], [C, 0]]; modes as `lowest`."""
-    size, held = K.shape[0], C.shape[0]
-    blocks: list[list[Any]] = [[K + shift * M, C.T], [C, None]]
+    K: Any, M: Any, C: Floats, count: int, shift: float, unit: float
+) -> tuple[Floats, Floats]:
+    """Return omega^2 and u, mass-normalised, by inverting [[K + shift M, C^T], [C, 0]]."""
+    size, held = K.shape[0], len(C)
+    if not is_sparse(K):
+        # Multipliers in the unit of K, or elimination would mistake one for zero.
+        C = C * np.diag(K).max()
+        whole = np.block([[K + shift * M, C.T], [C, np.zeros((held, held))]])
+        flexibility = np.linalg.inv(whole)[:size, :size]
+        L = np.linalg.cholesky(M)
+        inner = L.T @ flexibility @ L
+        mu, y = scipy.linalg.eigh(inner, subset_by_index=(size - count, size - 1), driver="evx")
+        u = scipy.linalg.solve_triangular(L.T, y[:, ::-1])
+        return 1 / mu[::-1] - shift, u
+    joint = scipy.sparse.csr_array(C)
+    blocks: list[list[Any]] = [[K + shift * M, joint.T], [joint, None]]
     inverse = factor(scipy.sparse.csr_array(scipy.sparse.block_array(blocks)))
 
-    def solve(force: NDArray[np.float64]) -> NDArray[np.float64]:
+    def solve(force: Floats) -> Floats:
         padded = np.zeros((size + held, force.shape[1]))
         padded[:size] = force
         return np.asarray(inverse.solve(padded)[:size])
 
     # Only the count is made on the null space: of free limbs, pivots vanish at the modes sought.
-    N = null_space(C)
-    return hertz(*lowest(K, M, count, solve, (N.T @ K @ N, N.T @ M @ N)))
-
-
-def _limb_scale(mechanism: Mechanism, limbs: Limbs) -> float:
-    """Return omega^2 of the softest limb's first bending mode between pins, (pi / L)^4 EI / rho A.
-
-    Added to K it makes free limbs stiff enough to eliminate, and is small beside no limb's mode.
-    """
-    rods = [limb.rod for limb in mechanism.limbs]
-    ratio = np.array(
-        [rod.material.young * rod.second_moment / (rod.material.density * rod.area) for rod in rods]
-    )
-    return float(((np.pi / limbs.lengths) ** 4 * ratio).min())
+    N = null_space(C, unit)
+    return lowest(K, M, count, solve, (N.T @ K @ N, N.T @ M @ N))

@@ -158,6 +158,17 @@ def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
     return closure(mechanism.axes, mechanism.bases, points, pose.z, pose.rotation)
 
 
+def one_pose(mechanism: Any, pose: Any) -> Pose:
+    """Return `pose` if it is a single one and `mechanism` a mechanism, or raise `InputError`."""
+    if not isinstance(mechanism, Mechanism):
+        raise InputError("mechanism", mechanism, "a Mechanism")
+    if not isinstance(pose, Pose):
+        raise InputError("pose", pose, "a Pose")
+    if pose.shape:
+        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+    return pose
+
+
 def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:
     if not bad.any():
         return

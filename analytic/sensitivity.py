@@ -16,15 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.continuum import REPEATED, eigenspace
+from analytic.certified import brackets
+from analytic.continuum import repeated
 from analytic.dynamic_stiffness import Array, Sections, limb_stiffness
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kinematics import limbs_of
 from analytic.mechanism import Mechanism
 from analytic.modes import check_count
-from analytic.pose import Pose, closure, rotation
-from analytic.substructure import platform_mass
+from analytic.pose import Pose, closure, one_pose, rotation
+from analytic.reduced import constants
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic, characteristic
 
@@ -59,8 +60,7 @@ def frequency_sensitivities(
     n = len(mechanism.limbs)
     available = 10_000 if elements is None else 6 + n * (6 * whole("elements", elements) - 2)
     count = check_count(count, available)
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time")
+    one_pose(mechanism, pose)
     moves = [_moved(mechanism, pose, theory, name) for name in parameters]
     problem = characteristic(mechanism, pose, theory, elements)
     # More modes than asked for, so that a group of repeated ones is not cut at the end.
@@ -69,9 +69,8 @@ def frequency_sensitivities(
         raise InputError("mechanism", "one that moves freely", "frequencies above zero")
     eigenvalues = bounds.mean(axis=1)
     result = np.empty((len(eigenvalues), len(moves)))
-    root = np.linalg.cholesky(platform_mass(mechanism, pose))
-    R = pose.rotation
-    for group in _groups(eigenvalues):
+    unit = constants(mechanism, theory).unit
+    for group in repeated(eigenvalues, np.arange(len(eigenvalues))):
         lam = float(eigenvalues[group].mean())
         twisted = [int(limb) for limb in twisting[group] if limb >= 0]
         moving = len(group) - len(twisted)
@@ -79,8 +78,8 @@ def frequency_sensitivities(
         for column, move in enumerate(moves):
             slopes[moving:, column] = [move.torsion(lam, limb) for limb in twisted]
         if moving:
-            U, w, F = eigenspace(problem, lam, moving, False)
-            U = (np.linalg.solve(root.T, U.T).T.reshape(-1, 2, 3) @ R).reshape(-1, 6)
+            ((U, w, F),) = problem.eigenspace(np.array([lam]), np.array([moving]))
+            U = U @ unit.T
             for column, move in enumerate(moves):
                 projected = move.projected(U, w, F, lam, elements, problem.scale)
                 slopes[:moving, column] = np.linalg.eigvalsh(projected)
@@ -89,17 +88,12 @@ def frequency_sensitivities(
     return np.asarray((result / (4 * np.pi * np.sqrt(eigenvalues[:, None])))[:count])
 
 
-def _groups(eigenvalues: NDArray[np.float64]) -> list[NDArray[np.intp]]:
-    apart = np.diff(eigenvalues) > REPEATED * eigenvalues[1:]
-    return np.split(np.arange(len(eigenvalues)), np.flatnonzero(apart) + 1)
-
-
 def _whole_groups(
     problem: Characteristic, count: int, available: int, spare: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     for more in (1, spare):
-        bounds, twisting = problem.brackets(min(count + more, available))
-        groups = _groups(bounds.mean(axis=1))
+        bounds, twisting = brackets(problem, min(count + more, available))
+        groups = repeated(bounds.mean(axis=1), np.arange(len(bounds)))
         end = next(group[-1] + 1 for group in groups if group[-1] + 1 >= count)
         if end < len(bounds) or len(bounds) == available:
             break

@@ -3,29 +3,36 @@
 from __future__ import annotations  # scipy loads its parts when they are first used
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.beam import centre_line, element_matrices
-from analytic.eigen import lowest_modes
+from analytic import assembly
+from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms
+from analytic.eigen import SPREAD, hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kinematics import Limbs, limbs_at
+from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
-from analytic.modes import STATIONS, Modes, check_count
+from analytic.modes import Modes, check_count
 from analytic.pose import Pose
 from analytic.theory import Theory
 
 if TYPE_CHECKING:
     from analytic.continuum import Continuum
 
-SOLVERS = ("dense", "sparse")
+Floats = NDArray[np.float64]
+
+SOLVERS = ("automatic", "dense", "sparse")
+DENSE = 160
+"""Coordinates up to which LAPACK is quicker than Lanczos; measured, see `tests`."""
+EXACT = 8
+"""Elements up to which rounding of K leaves twelve digits of the lowest modes."""
 
 
 @dataclass(frozen=True)
@@ -33,16 +40,17 @@ class Substructure:
     """Eqs. (4)-(24) with `elements` s a limb.
 
     `beam` and `shear` choose the theory (see `Theory`; the paper: Euler-Bernoulli). `solver` is
-    "dense" or "sparse". Raises `InputError` for unknown names or fewer than one element.
+    "dense", "sparse" or "automatic", the quicker one. Raises `InputError` for unknown names, fewer
+    than one element or more than can be told from rounding.
     """
 
     elements: int = 3
     beam: str = "euler-bernoulli"
     shear: str | float = "cowper"
-    solver: str = "dense"
+    solver: str = "automatic"
 
     def __post_init__(self) -> None:
-        whole("elements", self.elements)
+        object.__setattr__(self, "elements", few(self.elements))
         Theory(self.beam, self.shear)
         if self.solver not in SOLVERS:
             raise InputError("solver", self.solver, f"one of {', '.join(SOLVERS)}")
@@ -62,42 +70,33 @@ class Substructure:
 
         return Continuum(self.beam, self.shear)
 
-    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> NDArray[np.float64]:
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
         """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).
 
-        Of many poses by `condensed_frequencies`, which gives the same to 1e-9.
+        At one pose from the matrices; at many by `condensed_frequencies`, the same to 1e-9.
         """
-        from analytic.condensed import condensed_frequencies
+        if poses.shape:
+            from analytic.condensed import condensed_frequencies
 
-        return condensed_frequencies(
-            mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
-        )
+            return condensed_frequencies(
+                mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
+            )
+        parts = self._chains(mechanism, poses)
+        K, M = self._pair(parts)
+        count = check_count(count, K.shape[0])
+        if self.elements <= EXACT and parts.free_motions()[1] == 0:
+            values = lowest_values(K, M, count) if isinstance(K, np.ndarray) else None
+            if values is not None and values[-1] < SPREAD * values[0]:
+                return hertz(values)
+        return hertz(self._solved(parts, K, M, count)[0])
 
-    def matrices(
-        self, mechanism: Mechanism, pose: Pose
-    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
-        """Return K = Q^T K_r Q and M = Q^T M_r Q of Eq. (22), both (n (6 s) + 6 - ..., same).
+    def matrices(self, mechanism: Mechanism, pose: Pose) -> tuple[Any, Any]:
+        """Return K = Q^T K_r Q and M = Q^T M_r Q of Eq. (22), sparse, n (6 s - 2) + 6 square.
 
         The order is U of Eq. (19): for every limb its independent angle at B_i, its inner nodes
         and Phi_Ai; last Delta_p and Phi_p.
         """
-        return self._matrices(mechanism, pose, limbs_at_one(mechanism, pose))
-
-    def _matrices(
-        self, mechanism: Mechanism, pose: Pose, limbs: Limbs
-    ) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
-        s, n = self.elements, len(mechanism.limbs)
-        H_p = platform_selection(n, s)
-        K_bar = scipy.sparse.csr_array((H_p.shape[1], H_p.shape[1]))
-        M_bar = H_p.T @ scipy.sparse.csr_array(platform_mass(mechanism, pose)) @ H_p
-        for i in range(n):
-            K_i, M_i = limb_matrices(mechanism, limbs, i, s, self.theory)
-            H_i = limb_selection(i, n, s, limbs.arms[i])
-            K_bar = K_bar + H_i.T @ K_i @ H_i
-            M_bar = M_bar + H_i.T @ M_i @ H_i
-        # Eq. (14) strikes out Delta_Bi; Eqs. (17)-(21) then leave one angle a revolute joint.
-        Q = independent_coordinates(mechanism.axes, s)
-        return scipy.sparse.csr_array(Q.T @ K_bar @ Q), scipy.sparse.csr_array(Q.T @ M_bar @ Q)
+        return self._pair(self._chains(mechanism, pose), sparse=True)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose, Eqs. (23)-(24).
@@ -105,30 +104,54 @@ class Substructure:
         Raises `InputError` for a pose out of reach, or more modes than coordinates.
         """
         begin = time.perf_counter()
-        limbs = limbs_at_one(mechanism, pose)
-        K, M = self._matrices(mechanism, pose, limbs)
+        parts = self._chains(mechanism, pose)
+        K, M = self._pair(parts)
+        count = check_count(count, K.shape[0])
         built = time.perf_counter()
-        check_count(count, K.shape[0])
-        frequencies, U = lowest_modes(K, M, count, self.solver)
+        eigenvalues, U = self._solved(parts, K, M, count)
         solved = time.perf_counter()
-        expanded = independent_coordinates(mechanism.axes, self.elements) @ U
-        n = len(mechanism.limbs)
-        nodes = [
-            limb_selection(i, n, self.elements, arm) @ expanded for i, arm in enumerate(limbs.arms)
-        ]
+        solver = "sparse" if is_sparse(K) else "dense"
         return Modes(
-            frequencies=frequencies,
-            platform=expanded[-6:].T,
-            limbs=limb_motion(mechanism, limbs, nodes, self.theory),
+            frequencies=hertz(eigenvalues),
+            platform=U[-6:].T,
+            limbs=parts.centre_lines(nodes(parts, U)),
             theory=self.theory.labels(mechanism),
             model="substructure",
-            version=f"rps-bench, {self.solver}",
+            version=f"rps-bench, {solver}",
             elements=self.elements,
             dofs=K.shape[0],
             residual=None,
             build_seconds=built - begin,
             solve_seconds=solved - built,
         )
+
+    def _chains(self, mechanism: Mechanism, pose: Pose) -> Chains:
+        return chains(mechanism, limbs_at_one(mechanism, pose), self.elements, self.theory)
+
+    def _pair(self, parts: Chains, *, sparse: bool | None = None) -> tuple[Any, Any]:
+        n, s = len(parts.arms), self.elements
+        if sparse is None:
+            size = n * (6 * s - 2) + 6
+            sparse = self.solver == "sparse" or (self.solver == "automatic" and size > DENSE)
+        element = parts.element_matrices()
+        blocks = [P.swapaxes(1, 2) @ element @ P for P in independent_ends(parts)]
+        platform = np.stack([np.zeros((6, 6)), parts.platform_mass])
+        return assembly.joined(n, s, sparse=sparse).pair([*blocks, platform])
+
+    def _solved(self, parts: Chains, K: Any, M: Any, count: int) -> tuple[Floats, Floats]:
+        free, shift = parts.free_motions()
+        values, U = lowest_modes(K, M, count, shift)
+        if shift or self.elements > EXACT or values[-1] > SPREAD * values[0]:
+            return refined(M, U, lambda u: parts.strains(nodes(parts, u)), free, shift)
+        return values, U
+
+
+def few(elements: int) -> int:
+    """Return a number of elements that K can be told from rounding with, or refuse."""
+    s = whole("elements", elements)
+    if s > MOST_ELEMENTS:
+        raise InputError("elements", elements, f"at most {MOST_ELEMENTS}: K of more is rounding")
+    return s
 
 
 def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
@@ -138,44 +161,45 @@ def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
     return limbs_at(mechanism, pose)
 
 
-def limb_matrices(
-    mechanism: Mechanism, limbs: Limbs, i: int, s: int, theory: Theory
-) -> tuple[scipy.sparse.csr_array, scipy.sparse.csr_array]:
-    """Return K_i, M_i of one free rod in global axes, Eqs. (4)-(6), each (6 (s+1), 6 (s+1)).
+def independent_ends(parts: Chains) -> list[Floats]:
+    """Return what turns coordinates of U into an element's own in limb axes, each (n, 12, d).
 
-    Every element has the same frame, so T_i is applied to one of them before they are joined.
+    Of the first element, an inner one and the last (of one alone, where s = 1; no inner one where
+    s = 2): the rows of T_i^T H_i Q that belong to it, without columns of zeros. At B_i, Delta = 0
+    and Phi = (e / e_k) phi_k, Eqs. (14) and (17)-(18); at A_i, Delta = J_i U_p, Eq. (10).
     """
-    T = np.kron(np.eye(4), limbs.frames[i])
-    element = element_matrices(mechanism.limbs[i].rod, limbs.lengths[i] / s, theory)
-    K, M = (_joined(T @ matrix @ T.T, s) for matrix in element)
-    return K, M
+    n, s = len(parts.arms), parts.elements
+    R = parts.frames.swapaxes(1, 2)
+    base, tip = R @ turning(parts.axes)[..., None], R @ parts.J
+    if s == 1:
+        alone = np.zeros((n, 12, 10))
+        alone[:, 3:6, :1], alone[:, 6:9, 4:], alone[:, 9:, 1:4] = base, tip, R
+        return [alone]
+    first, last = np.zeros((n, 12, 7)), np.zeros((n, 12, 15))
+    first[:, 3:6, :1], first[:, 6:9, 1:4], first[:, 9:, 4:] = base, R, R
+    last[:, :3, :3], last[:, 3:6, 3:6], last[:, 6:9, 9:], last[:, 9:, 6:9] = R, R, tip, R
+    return [first, parts.T, last] if s > 2 else [first, last]
 
 
-def limb_motion(
-    mechanism: Mechanism, limbs: Limbs, nodes: Sequence[NDArray[np.float64]], theory: Theory
-) -> NDArray[np.float64]:
-    """Return global displacement at `STATIONS`, (m, n, 11, 3), from m motions of limbs' nodes.
+def turning(axes: Floats) -> Floats:
+    """Return e / e_k of each revolute axis e (n, 3), pivoting on its largest component.
 
-    `nodes` holds for every limb its coordinates in global axes, shape (6 (s+1), m).
+    Eq. (17) fixes k = y, Eq. (18) k = x; either divides by zero for some base orientation.
+    Pivoting never does, and gives Eq. (17) where e is along y.
     """
-    count, s = nodes[0].shape[1], len(nodes[0]) // 6 - 1
-    motion = np.empty((count, len(nodes), len(STATIONS), 3))
-    for i, (limb, node) in enumerate(zip(mechanism.limbs, nodes, strict=True)):
-        R = limbs.frames[i]
-        local = (node.reshape(-1, 3, count).transpose(0, 2, 1) @ R).transpose(0, 2, 1)
-        shape = centre_line(limb.rod, limbs.lengths[i], s, theory, STATIONS)
-        motion[:, i] = np.einsum("kdj,jm->mkd", shape, local.reshape(-1, count)) @ R.T
+    pivot = np.abs(axes).argmax(axis=1)
+    return np.asarray(axes / axes[np.arange(len(axes)), pivot][:, None])
+
+
+def nodes(parts: Chains, U: Floats) -> Floats:
+    """Return the motions of the limbs' nodes, (n, s + 1, 6, m), from those of U (dofs, m)."""
+    n, s = len(parts.arms), parts.elements
+    own = U[:-6].reshape(n, 6 * s - 2, -1)
+    motion = np.zeros((n, s + 1, 6, U.shape[1]))
+    motion[:, 0, 3:] = turning(parts.axes)[..., None] * own[:, :1]
+    motion[:, 1:s] = own[:, 1:-3].reshape(n, s - 1, 6, U.shape[1])
+    motion[:, s, :3], motion[:, s, 3:] = parts.J @ U[-6:], own[:, -3:]
     return motion
-
-
-def _joined(element: NDArray[np.float64], s: int) -> scipy.sparse.csr_array:
-    """Return s equal elements joined end to end, node by node."""
-    rows, columns = np.divmod(np.arange(144), 12)
-    start = 6 * np.arange(s)[:, None]
-    size = 6 * (s + 1)
-    entries = np.tile(element.ravel(), s)
-    where = ((start + rows).ravel(), (start + columns).ravel())
-    return scipy.sparse.csr_array(scipy.sparse.coo_array((entries, where), shape=(size, size)))
 
 
 def platform_mass(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
@@ -187,10 +211,9 @@ def platform_mass(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     return M
 
 
-def rigid_arm(arm: NDArray[np.float64]) -> NDArray[np.float64]:
+def rigid_arm(arm: Floats) -> Floats:
     """Return J_i = [E_3, [A_i o x]] of Eq. (10), shape (3, 6); `arm` is o to A_i [m]."""
-    x, y, z = arm
-    return np.array([[1.0, 0, 0, 0, z, -y], [0, 1.0, 0, -z, 0, x], [0, 0, 1.0, y, -x, 0]])
+    return np.asarray(rigid_arms(arm))
 
 
 def limb_selection(i: int, n: int, s: int, arm: NDArray[np.float64]) -> scipy.sparse.csr_array:
@@ -215,26 +238,15 @@ def platform_selection(n: int, s: int) -> scipy.sparse.csr_array:
     return scipy.sparse.csr_array(scipy.sparse.eye_array(6, n * (6 * s + 3) + 6, k=n * (6 * s + 3)))
 
 
-def independent_coordinates(axes: NDArray[np.float64], s: int) -> scipy.sparse.csr_array:
+def independent_coordinates(axes: Floats, s: int) -> scipy.sparse.csr_array:
     """Return the map from U, Eq. (19), to U-bar, Eq. (11): Q of Eq. (21) with the zero rows kept.
 
-    Shape (n (6 s + 3) + 6, n (6 s - 2) + 6). At B_i, Delta = 0 and Phi = (e / e_k) phi_k, where
-    e is the revolute axis. Eq. (17) fixes k = y, Eq. (18) k = x; either divides by zero for some
-    base orientation. Pivoting on the largest |e_k| never does, and gives Eq. (17) where e is along
-    y.
+    Shape (n (6 s + 3) + 6, n (6 s - 2) + 6). At B_i, Delta = 0 and Phi = (e / e_k) phi_k.
     """
     n, own, kept = len(axes), 6 * s + 3, 6 * s - 2
-    rows, columns, entries = [], [], []
-    for i, axis in enumerate(axes):
-        pivot = np.abs(axis).argmax()
-        rows += [i * own + np.arange(3, own)]
-        columns += [i * kept + np.r_[0, 0, 0, 1:kept]]
-        entries += [np.r_[axis / axis[pivot], np.ones(kept - 1)]]
-    rows += [n * own + np.arange(6)]
-    columns += [n * kept + np.arange(6)]
-    entries += [np.ones(6)]
-    where = (np.concatenate(rows), np.concatenate(columns))
-    shape = (n * own + 6, n * kept + 6)
-    return scipy.sparse.csr_array(
-        scipy.sparse.coo_array((np.concatenate(entries), where), shape=shape)
-    )
+    Q = scipy.sparse.lil_array((n * own + 6, n * kept + 6))
+    for i, turn in enumerate(turning(axes)):
+        Q[i * own + 3 : i * own + 6, [i * kept]] = turn[:, None]
+        Q[i * own + 6 : (i + 1) * own, i * kept + 1 : (i + 1) * kept] = np.eye(kept - 1)
+    Q[-6:, -6:] = np.eye(6)
+    return scipy.sparse.csr_array(Q)

@@ -1,36 +1,109 @@
-"""Counting the modes below a frequency, and frequencies certified by such counts.
+"""Counting the modes below a frequency, with a bound on what rounding can do to the count.
 
 With D(lambda) = sum_k d_k a_k a_k^T - lambda M_p over the limbs' three directions each, the modes
 below omega are J = J_0 + (negative eigenvalues of D), Wittrick and Williams (1971).
 
-D has poles, and modes sit next to them. Where d_k is large its force is kept as an unknown: in
-    B = [[sum_soft d_k a_k a_k^T - lambda M_p, a_stiff], [a_stiff^T, -1 / d_stiff]]
-nothing is large, and J = J_0 - (stiff d_k > 0) + (negative eigenvalues of B): the jump of J_0 at a
-pole and the change of sign of 1 / d_k cancel.
+So that the sign of every eigenvalue can be told whatever the units, the sizes and the masses, D is
+written in the mechanism's own static coordinates: d_k(lambda) = d_k(0) + c_k(lambda), and
+    sum_k d_k(0) a_k a_k^T = V^-T diag(sigma^2) V^-1
+by singular values of sqrt(d_k(0)) a_k, in a metric to which the platform and its limbs both give
+mass. Row i is then divided by the larger of sigma_i and omega: every entry is of order one, soft
+motions beside stiff ones included.
+
+D has poles, and modes sit next to them. Where c_k is large its force is kept as an unknown: in
+    B = [[D without c_stiff, a_stiff], [a_stiff^T, -1 / c_stiff]]
+nothing is large, and J = J_0 - (stiff c_k > 0) + (negative eigenvalues of B): the jump of J_0 at a
+pole and the change of sign of 1 / c_k cancel.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import (
     Sections,
-    fixed_tip_counts,
-    limb_stiffness,
-    sections,
-    torsion_eigenvalues,
+    first_poles,
+    limb_response,
+    softening_series,
+    static_stiffness,
+    torsion_counts,
 )
-from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose
-from analytic.substructure import platform_mass, rigid_arm
+from analytic.reduced import constants, geometry
 from analytic.theory import Theory
 
-WIDTH = 1e-12
-"""Largest relative width of a certified bracket of a frequency."""
-STILL = 1e-6
-"""Frequencies below this part of the softest limb's first are given as zero: free motion."""
+Floats = NDArray[np.float64]
+
+FREE = 1e-13
+"""A static singular value below this part of the largest is a free motion."""
+SLOW, TERMS = 0.01, 12
+"""Below this part of a limb's first pole c_k comes from a series of so many terms."""
+ROUNDING = 4 * float(np.finfo(float).eps)
+"""Relative error of one entry of B; the bound on B's eigenvalues is made of it."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """B at omega^2 of q values, and what goes with it; m = 6 + the most stiff directions.
+
+    Attributes: `omega2` (q,); `matrix` B (q, m, m) and `mass` = -dB/d(omega^2), its 6 x 6 block
+    `mass` (q, 6, 6) and its diagonal `springs` (q, m - 6); `outside`, the count outside B, torsion
+    apart (q,); `error`, a bound on the rounding of B's eigenvalues (q,); `stiff` the directions of
+    the border (q, m - 6), `bordered` where it is one of them (q, m - 6); `scale` (q, 6) of the
+    static coordinates; `change` c_k (q, 3 n) and the square `size` (q, 3 n) of its row.
+    """
+
+    omega2: Floats
+    matrix: Floats
+    mass: Floats
+    springs: Floats
+    outside: NDArray[np.int64]
+    error: Floats
+    stiff: NDArray[np.intp]
+    bordered: NDArray[np.bool_]
+    scale: Floats
+    change: Floats
+    size: Floats
+
+    @cached_property
+    def values(self) -> Floats:
+        """B's eigenvalues, ascending, (q, m)."""
+        return np.asarray(np.linalg.eigvalsh(self.matrix))
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """How many modes lie below each omega^2, torsion apart, (q,)."""
+        return np.asarray(self.outside + (self.values < 0).sum(axis=1))
+
+    @property
+    def at_least(self) -> NDArray[np.int64]:
+        """How many modes lie below for certain, (q,)."""
+        return np.asarray(self.outside + (self.values < -self.error[:, None]).sum(axis=1))
+
+    @property
+    def at_most(self) -> NDArray[np.int64]:
+        """How many modes can lie below at most, (q,)."""
+        return np.asarray(self.outside + (self.values < self.error[:, None]).sum(axis=1))
+
+    @cached_property
+    def pencil(self) -> tuple[Floats, Floats, Floats]:
+        """(matrix, left, springs) of B x = delta (-B') x made standard, for `numpy.linalg.eigh`.
+
+        Its eigenvalues delta estimate how far away, in omega^2, the modes are, and have B's signs.
+        """
+        block = self.mass + 1e-14 * np.eye(6) * self.mass.max(axis=(1, 2), keepdims=True)
+        left = np.linalg.inv(np.linalg.cholesky(block))
+        springs = 1 / np.sqrt(self.springs)
+        B = self.matrix.copy()
+        B[:, :6] = left @ B[:, :6]
+        B[:, :, :6] = B[:, :, :6] @ left.swapaxes(1, 2)
+        B[:, 6:] *= springs[:, :, None]
+        B[:, :, 6:] *= springs[:, None, :]
+        return B, left, springs
 
 
 @dataclass(frozen=True)
@@ -43,158 +116,168 @@ class Characteristic:
     """
 
     rods: Sections
-    lengths: NDArray[np.float64]
-    vectors: NDArray[np.float64]
+    lengths: Floats
+    vectors: Floats
     elements: int | None
 
-    def stiffness(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return d_k at each of `eigenvalue` (q,), shape (q, n, 3) [N/m]."""
-        values = limb_stiffness(self.rods, self.lengths, eigenvalue[:, None], self.elements)
-        return np.asarray(values.real)
-
-    def slope(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return d_k'(lambda) at each of `eigenvalue` (q,), exact by complex step, (q, n, 3)."""
-        step = eigenvalue[:, None] * 1e-30
-        moved = eigenvalue[:, None] + 1j * step
-        values = limb_stiffness(self.rods, self.lengths, moved, self.elements)
-        return np.asarray(values.imag / step[..., None])
-
     @property
-    def scale(self) -> NDArray[np.float64]:
+    def scale(self) -> Floats:
         """Static stiffness 3 EI / L^3 (twice) and EA / L, shape (n, 3) [N/m]."""
         bending = 3 * self.rods.EI / self.lengths**3
         return np.stack([bending, bending, self.rods.EA / self.lengths], axis=-1)
 
+    @cached_property
+    def held(self) -> Floats:
+        """d_k(0), shape (..., 3 n) [N/m]."""
+        return self._flat(static_stiffness(self.rods, self.lengths))
+
+    @cached_property
+    def static(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """(sigma, W, N, back): the mechanism at rest, in its own coordinates y.
+
+        `sigma` (..., 6) falls, sigma_i^2 being about omega^2 of limbs without mass; `W` (..., 3 n,
+        6) are the a_k in y, `N` (..., 6, 6) is the platform's mass, `back` (..., 6, 6) turns y into
+        the coordinates of `vectors`.
+        """
+        a = self.vectors.reshape(*self.lengths.shape[:-1], -1, 6)
+        weight = self._flat(np.repeat((self.rods.line_mass * self.lengths / 3)[..., None], 3, -1))
+        metric = np.eye(6) + (a * weight[..., None]).swapaxes(-1, -2) @ a
+        inverse = np.linalg.inv(np.linalg.cholesky(metric)).swapaxes(-1, -2)
+        u = a @ inverse
+        rows = u * np.sqrt(self.held)[..., None]
+        missing = max(0, 6 - rows.shape[-2])
+        rows = np.concatenate([rows, np.zeros((*rows.shape[:-2], missing, 6))], axis=-2)
+        _, sigma, V = np.linalg.svd(rows, full_matrices=False)
+        V = V.swapaxes(-1, -2)
+        back = inverse @ V
+        return sigma, u @ V, back.swapaxes(-1, -2) @ back, back
+
+    @property
+    def free(self) -> int:
+        """How many free motions the mechanism has: those that no limb resists at rest."""
+        sigma = self.static[0]
+        return int((sigma <= FREE * sigma[..., :1]).sum(axis=-1).max())
+
     @property
     def first(self) -> float:
-        """omega^2 of the softest limb's first bending mode between pins, without shear."""
-        return float(((np.pi / self.lengths) ** 4 * self.rods.EI / self.rods.line_mass).min())
+        """omega^2 of the softest limb's first mode between pins."""
+        return float(self._poles.min())
 
-    def bordered(
-        self, eigenvalue: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.float64]]:
-        """Return B (q, m, m), which d_k are stiff (q, n, 3), and d_k, for `eigenvalue` (q,).
+    @cached_property
+    def _poles(self) -> Floats:
+        return self._flat(first_poles(self.rods, self.lengths))
 
-        m = 6 + 3 n. B is free of units: displacements are divided by omega, forces by the root of
-        `scale`; the row of a soft d_k is that of the identity.
+    @cached_property
+    def _series(self) -> Floats:
+        terms = softening_series(self.rods, self.lengths, self.elements, TERMS)
+        return terms.reshape(TERMS, *self.lengths.shape[:-1], -1)
+
+    def _flat(self, of_limbs: Floats) -> Floats:
+        return np.asarray(of_limbs.reshape(*self.lengths.shape[:-1], -1))
+
+    def changes(self, omega2: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
+        """Return c_k, its derivative, and the modes of every direction held, (q, 3 n) each."""
+        q = len(omega2)
+        step = 1e-30
+        d, counts = limb_response(
+            self.rods, self.lengths, omega2[:, None] * (1 + 1j * step), self.elements
+        )
+        change = d.real.reshape(q, -1) - self.held
+        slope = d.imag.reshape(q, -1) / (step * omega2[:, None])
+        part = omega2[:, None] / self._poles
+        slow = part < SLOW
+        if slow.any():
+            x = np.where(slow, part, 0.0)
+            value, tangent = np.zeros_like(x), np.zeros_like(x)
+            for k in range(TERMS - 1, -1, -1):
+                tangent = tangent * x + (k + 1) * self._series[k]
+                value = value * x + self._series[k]
+            change = np.where(slow, value * x, change)
+            slope = np.where(slow, tangent / self._poles, slope)
+        return change, slope, counts.reshape(q, -1)
+
+    def form(self, omega2: Floats) -> Form:
+        """Return B and its derivative at each of `omega2` (q,) > 0."""
+        sigma, W, N, _ = self.static
+        c, slope, counts = self.changes(omega2)
+        scale = 1 / np.maximum(sigma, np.sqrt(omega2)[:, None])
+        w = W * scale[:, None, :]
+        size = (w * w).sum(axis=-1)
+        t = np.abs(c) * size
+        large = t > 1
+        N = N * (scale[:, :, None] * scale[:, None, :])
+        soft = np.where(large, 0.0, c)
+        top = (w * soft[..., None]).swapaxes(1, 2) @ w - omega2[:, None, None] * N
+        i = np.arange(6)
+        top[:, i, i] += (sigma * scale) ** 2
+        mass = N - (w * np.where(large, 0.0, slope)[..., None]).swapaxes(1, 2) @ w
+        p = int(large.sum(axis=1).max(initial=0))
+        stiff = np.argsort(-t, axis=1)[:, :p]
+        own, of_c, of_size, of_slope = (
+            np.take_along_axis(x, stiff, axis=1) for x in (large, c, size, slope)
+        )
+        B = np.zeros((len(omega2), 6 + p, 6 + p))
+        B[:, :6, :6] = top
+        border = np.take_along_axis(w, stiff[..., None], axis=1)
+        border *= np.where(own, 1 / np.sqrt(of_size), 0.0)[..., None]
+        B[:, 6:, :6], B[:, :6, 6:] = border, border.swapaxes(1, 2)
+        j = 6 + np.arange(p)
+        # A row that only fills the matrix up counts as positive, and as a mode far above.
+        inverse = np.where(own, 1 / (np.where(own, of_c, 1.0) * of_size), 0.0)
+        B[:, j, j] = np.where(own, -inverse, 1.0)
+        springs = np.where(own, -of_slope * inverse**2 * of_size, 0.1 / omega2[:, None])
+        outside = counts.sum(axis=1) - (large & (c > 0)).sum(axis=1)
+        entries = (np.abs(c) + 2 * self.held + omega2[:, None] * np.abs(slope)) * size
+        entries = np.where(large, entries / np.maximum(t, 1.0) ** 2, entries)
+        error = 4 + p + sigma[..., 0] * scale.max(axis=1) + entries.sum(axis=1)
+        return Form(omega2, B, mass, springs, outside, ROUNDING * error, stiff, own, scale, c, size)
+
+    def count(self, omega2: Floats) -> NDArray[np.int64]:
+        """Return the number of modes below each of `omega2` (q,), torsion included."""
+        return self.coupled_count(omega2) + self.twists(omega2)
+
+    def coupled_count(self, omega2: Floats) -> NDArray[np.int64]:
+        """Return the number of modes below each of `omega2` (q,), without torsion."""
+        return self.form(omega2).count
+
+    def twists(self, omega2: Floats) -> NDArray[np.int64]:
+        """Return the number of modes of torsion below each of `omega2` (q,)."""
+        counts = torsion_counts(self.rods, self.lengths, omega2[:, None], self.elements)
+        return np.asarray(counts.sum(axis=1))
+
+    def eigenspace(
+        self, omega2: Floats, sizes: NDArray[Any]
+    ) -> list[tuple[Floats, Floats, Floats]]:
+        """Return the modes next to each of `omega2` (q,), `sizes` (q,) of them, of modal mass 1.
+
+        For each the platform (size, 6) in the coordinates of `vectors`, and the tips' motion and
+        force (size, n, 3) along and of every direction. For free motions give a small omega^2.
         """
-        d = self.stiffness(eigenvalue)
-        ratio = (d / self.scale).reshape(len(d), -1)
-        stiff = np.abs(ratio) > 1
-        directions = ratio.shape[1]
-        scale = np.sqrt(self.scale.reshape(-1, directions) / eigenvalue[:, None])
-        a = scale[..., None] * self.vectors.reshape(-1, directions, 6)
-        soft = np.where(stiff, 0.0, ratio)
-        border = np.where(stiff[..., None], a, 0.0)
-        B = np.zeros((len(d), 6 + directions, 6 + directions))
-        B[:, :6, :6] = np.einsum("qk,qki,qkj->qij", soft, a, a) - np.eye(6)
-        B[:, :6, 6:] = border.swapaxes(1, 2)
-        B[:, 6:, :6] = border
-        k = np.arange(directions)
-        B[:, 6 + k, 6 + k] = np.where(stiff, -1 / np.where(stiff, ratio, 1.0), 1.0)
-        return B, stiff.reshape(d.shape), d
-
-    def spectra(
-        self, eigenvalue: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return for `eigenvalue` (q,) the count outside B, without torsion, and B's eigenvalues.
-
-        The first has shape (q,), the second (q, 6 + 3 n).
-        """
-        B, stiff, d = self.bordered(eigenvalue)
-        held = fixed_tip_counts(self.rods, self.lengths, eigenvalue[:, None], self.elements)
-        outside = held[..., :3].sum(axis=(1, 2)) - (stiff & (d > 0)).sum(axis=(1, 2))
-        return np.asarray(outside), np.asarray(np.linalg.eigvalsh(B))
-
-    def count(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the number of modes below each omega^2 of `eigenvalue` (q,), torsion included."""
-        outside, values = self.spectra(eigenvalue)
-        held = fixed_tip_counts(self.rods, self.lengths, eigenvalue[:, None], self.elements)
-        return np.asarray(outside + held[..., 3].sum(axis=1) + (values < 0).sum(axis=1))
-
-    def coupled(self, count: int) -> NDArray[np.float64]:
-        """Return brackets of the lowest `count` omega^2 that are not torsion, shape (count, 2).
-
-        ITP (Oliveira and Takahashi 2021) on the eigenvalue of B that crosses zero at the mode
-        sought, for all modes at once; every step's count decides which side it is on.
-        """
-        found = np.stack(self._isolated(count), axis=1)
-        rank = np.flatnonzero(found[:, 0] > 0)
-        if not rank.size:
-            return found
-        x = np.log(found[rank])
-        y = np.stack([self._crossing(np.exp(x[:, side]), rank) for side in (0, 1)], axis=1)
-        tolerance = WIDTH / 4
-        width = (x[:, 1] - x[:, 0]).max()
-        for left in range(int(np.ceil(np.log2(width / (2 * tolerance)))) + 1, -1, -1):
-            middle, half = x.mean(axis=1), (x[:, 1] - x[:, 0]) / 2
-            if (half <= tolerance).all():
-                break
-            tame = np.isfinite(y).all(axis=1)
-            fraction = np.full(len(y), 0.5)
-            fraction[tame] = y[tame, 0] / (y[tame, 0] - y[tame, 1])
-            secant = x[:, 0] + fraction * 2 * half
-            toward = np.sign(middle - secant)
-            shift = np.minimum(0.2 / width * (2 * half) ** 2, np.abs(middle - secant))
-            # The shift past the secant shrinks the far side too; never below what a count can tell.
-            trial = secant + toward * np.maximum(shift, np.minimum(tolerance, half))
-            radius = np.maximum(tolerance * 2.0**left - half, 0.0)
-            trial = np.clip(trial, middle - radius, middle + radius)
-            value = self._crossing(np.exp(trial), rank)
-            below = value > 0
-            x[below, 0], y[below, 0] = trial[below], value[below]
-            x[~below, 1], y[~below, 1] = trial[~below], value[~below]
-        # Ends that fell on the mode itself move off it by more than rounding.
-        found[rank] = np.exp(x + np.array([-tolerance, tolerance]))
+        form = self.form(omega2)
+        _, W, _, back = self.static
+        B, left, springs = form.pencil
+        values, vectors = np.linalg.eigh(B)
+        found = []
+        for i, size in enumerate(sizes):
+            x = vectors[i][:, np.argsort(np.abs(values[i]))[:size]]
+            y = (form.scale[i][:, None] * (left[i].T @ x[:6])).T
+            w = y @ W.T
+            force = form.change[i] * w
+            own = form.bordered[i]
+            k = form.stiff[i][own]
+            # The unknown of a stiff direction is its force, of which 1 / c_k makes a motion.
+            forces = (springs[i][:, None] * x[6:])[own].T / np.sqrt(form.size[i][k])
+            force[:, k], w[:, k] = forces, forces / form.change[i][k]
+            force += self.held * w
+            shape = (len(y), -1, 3)
+            found.append((y @ back.T, w.reshape(shape), force.reshape(shape)))
         return found
-
-    def _crossing(
-        self, eigenvalue: NDArray[np.float64], rank: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
-        """Return B's eigenvalue that is negative where more than `rank` modes lie below."""
-        outside, values = self.spectra(eigenvalue)
-        index = rank - outside
-        inside = np.clip(index, 0, values.shape[1] - 1)
-        value = np.take_along_axis(values, inside[:, None], axis=1)[:, 0]
-        value = np.where(index < 0, -np.inf, np.where(index >= values.shape[1], np.inf, value))
-        return np.asarray(value)
-
-    def _isolated(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return brackets (count,) from a coarse grid that grows until it holds all modes."""
-        grid = self.first * np.r_[STILL**2, np.geomspace(1e-6, 1e2, 65)]
-        below = self.coupled_count(grid)
-        while below[-1] < count:
-            more = grid[-1] * np.geomspace(1.2, 100, 25)
-            grid, below = np.r_[grid, more], np.r_[below, self.coupled_count(more)]
-        upper = (below[None, :] > np.arange(count)[:, None]).argmax(axis=1)
-        return np.where(upper > 0, grid[upper - 1], 0.0), grid[upper]
-
-    def coupled_count(self, eigenvalue: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the number of modes below each omega^2 of `eigenvalue` (q,), without torsion."""
-        outside, values = self.spectra(eigenvalue)
-        return np.asarray(outside + (values < 0).sum(axis=1))
-
-    def brackets(self, count: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Return brackets of the lowest `count` omega^2, and the limb that twists in each.
-
-        Shapes (count, 2) and (count,); -1 where the mode is not torsion of a limb.
-        """
-        coupled = self.coupled(count)
-        torsion = torsion_eigenvalues(self.rods, self.lengths, count, self.elements)
-        twisting = np.repeat(np.arange(len(self.lengths)), torsion.shape[1])
-        both = np.concatenate([coupled, torsion.reshape(-1, 1) * [1 - WIDTH / 2, 1 + WIDTH / 2]])
-        limb = np.r_[np.full(count, -1), twisting]
-        order = np.argsort(both.mean(axis=1), kind="stable")[:count]
-        return both[order], limb[order]
 
 
 def characteristic(
     mechanism: Mechanism, pose: Pose, theory: Theory, elements: int | None = None
 ) -> Characteristic:
     """Return the problem at one pose. Raises `InputError` for a pose out of reach."""
-    limbs = limbs_at(mechanism, pose)
-    root = np.linalg.cholesky(platform_mass(mechanism, pose))
-    arms = np.array([rigid_arm(arm) for arm in limbs.arms])
-    vectors = np.einsum("ijk,ijm->ikm", limbs.frames, arms)
-    vectors = np.linalg.solve(root, vectors.reshape(-1, 6).T).T.reshape(vectors.shape)
-    return Characteristic(sections(mechanism, theory), limbs.lengths, vectors, elements)
+    known = constants(mechanism, theory)
+    lengths, vectors = geometry(known, mechanism, pose)
+    return Characteristic(known.rods, lengths[0], vectors.reshape(-1, 3, 6), elements)

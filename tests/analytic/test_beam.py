@@ -6,8 +6,9 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analytic import Material, Rod, Theory
-from analytic.beam import centre_line, element_matrices
+from analytic import Limb, Material, Mechanism, Platform, Rod, Theory
+from analytic.beam import centre_lines, element_matrices, strains
+from analytic.dynamic_stiffness import Sections, sections
 
 THEORIES = ["euler-bernoulli", "rayleigh", "timoshenko"]
 XZ, YZ = [0, 4, 6, 10], [1, 3, 7, 9]
@@ -20,6 +21,15 @@ materials = st.builds(
     st.floats(500, 2e4),
 )
 rods = st.builds(Rod, materials, st.floats(1e-3, 0.5))
+
+
+def alone(rod: Rod, theory: Theory) -> Sections:
+    limb = Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
+    return sections(Mechanism((limb,), Platform.diagonal(1.0, (1.0, 1.0, 1.0))), theory)
+
+
+def element(rod: Rod, length: float, theory: Theory) -> np.ndarray:
+    return element_matrices(alone(rod, theory), np.array([length]))[:, 0]
 
 
 def przemieniecki(rod: Rod, length: float, theory: Theory) -> tuple[np.ndarray, np.ndarray]:
@@ -65,7 +75,7 @@ def przemieniecki(rod: Rod, length: float, theory: Theory) -> tuple[np.ndarray, 
 @given(rod=rods, length=st.floats(0.01, 3.0))
 def test_every_entry(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
-    K, M = element_matrices(rod, length, theory)
+    K, M = element(rod, length, theory)
     bending = przemieniecki(rod, length, theory)
     E, G, rho = rod.material.young, rod.material.shear, rod.material.density
     bar, shaft = np.array([[1, -1], [-1, 1]]) / length, np.array([[2, 1], [1, 2]]) * length / 6
@@ -88,7 +98,7 @@ def test_every_entry(beam: str, rod: Rod, length: float) -> None:
 @given(rod=rods, length=st.floats(0.01, 3.0))
 def test_rigid_motion_costs_nothing_and_weighs_all(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
-    K, M = element_matrices(rod, length, theory)
+    K, M = element(rod, length, theory)
     mass = rod.material.density * rod.area * length
     moves = np.zeros((6, 12))
     for k in range(3):
@@ -108,7 +118,7 @@ def test_rigid_motion_costs_nothing_and_weighs_all(beam: str, rod: Rod, length: 
 def cantilever(rod: Rod, length: float, elements: int, theory: Theory) -> np.ndarray:
     size = 6 * (elements + 1)
     K, M = np.zeros((size, size)), np.zeros((size, size))
-    k, m = element_matrices(rod, length / elements, theory)
+    k, m = element(rod, length / elements, theory)
     for e in range(elements):
         part = slice(6 * e, 6 * e + 12)
         K[part, part] += k
@@ -136,7 +146,7 @@ def test_cantilever_against_closed_forms() -> None:
 def test_timoshenko_tip_deflection() -> None:
     steel = Material(200e9, 77e9, 7820)
     rod, length, theory = Rod(steel, 0.1), 0.4, Theory("timoshenko", 0.9)
-    K, _ = element_matrices(rod, length, theory)
+    K, _ = element(rod, length, theory)
     tip = np.linalg.solve(K[6:, 6:], np.eye(6)[0])[0]
     bending = length**3 / (3 * steel.young * rod.second_moment)
     shear = length / (0.9 * steel.shear * rod.area)
@@ -164,6 +174,35 @@ def test_centre_line_follows_rigid_motion(beam: str, data: st.DataObject) -> Non
     nodes = np.linspace(0, length, elements + 1)
     along = np.outer(nodes, [0, 0, 1])
     motion = np.concatenate([np.cross(spin, along), np.tile(spin, (elements + 1, 1))], axis=1)
-    found = centre_line(rod, length, elements, theory, stations) @ motion.ravel()
+    section, h = alone(rod, theory), np.array([length / elements])
+    found = centre_lines(section, h, motion[None, ..., None], stations)[0, ..., 0]
     wanted = np.cross(spin, np.outer(stations * length, [0, 0, 1]))
     np.testing.assert_allclose(found, wanted, atol=1e-12)
+
+
+@pytest.mark.parametrize("beam", THEORIES)
+@given(rod=rods, length=st.floats(0.01, 3.0), data=st.data())
+def test_strains_are_the_elements_energy(
+    beam: str, rod: Rod, length: float, data: st.DataObject
+) -> None:
+    theory = Theory(beam)
+    K, _ = element(rod, length, theory)
+    motion = np.array(data.draw(st.lists(st.floats(-1, 1), min_size=12, max_size=12)))
+    motion[[3, 4, 5, 9, 10, 11]] /= length
+    e = strains(alone(rod, theory), np.array([length]), motion.reshape(1, 2, 6, 1))
+    size = np.abs(motion) @ np.abs(K) @ np.abs(motion)
+    np.testing.assert_allclose((e**2).sum(), motion @ K @ motion, rtol=1e-9, atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("beam", THEORIES)
+@pytest.mark.parametrize("elements", [1, 2, 5])
+def test_strains_of_rigid_motion_are_rounding(beam: str, elements: int) -> None:
+    """Squared, they are far below what any mode has: K loses that as its elements get shorter."""
+    rod, length, theory = Rod(Material(200e9, 77e9, 7820), 0.1), 0.5, Theory(beam)
+    spin = np.array([0.3, -0.5, 0.7])
+    along = np.outer(np.linspace(0, length, elements + 1), [0, 0, 1])
+    motion = np.concatenate([np.cross(spin, along), np.tile(spin, (elements + 1, 1))], axis=1)
+    h = np.array([length / elements])
+    e = strains(alone(rod, theory), h, motion[None, ..., None])
+    stiffest = rod.material.young * rod.area / h[0]
+    assert (e**2).sum() < 1e-30 * stiffest

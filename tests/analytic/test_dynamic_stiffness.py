@@ -8,7 +8,6 @@ from scipy.optimize import brentq
 from analytic import Theory
 from analytic.beam import element_matrices
 from analytic.dynamic_stiffness import (
-    chain_element,
     fixed_tip_counts,
     limb_stiffness,
     sections,
@@ -25,9 +24,9 @@ def theories():
     return pytest.mark.parametrize("theory", THEORIES, ids=lambda t: t.beam)
 
 
-def assembled(rod, length, s, theory):
+def assembled(rods, length, s):
     K, M = np.zeros((2, 6 * (s + 1), 6 * (s + 1)))
-    K_e, M_e = element_matrices(rod, length / s, theory)
+    K_e, M_e = element_matrices(rods, np.full(3, length / s))[:, 0]
     for j in range(s):
         K[6 * j : 6 * j + 12, 6 * j : 6 * j + 12] += K_e
         M[6 * j : 6 * j + 12, 6 * j : 6 * j + 12] += M_e
@@ -54,8 +53,8 @@ def driven_and_held(K, M, s, eigenvalue):
 @theories()
 @pytest.mark.parametrize("s", [1, 2, 3, 7])
 def test_equals_assembled_elements(robot, theory, s):
-    rods, rod = sections(robot, theory), robot.limbs[0].rod
-    K, M = assembled(rod, LENGTHS[0], s, theory)
+    rods = sections(robot, theory)
+    K, M = assembled(rods, LENGTHS[0], s)
     # To ten times the first cut-on frequency, through all families of the chain.
     for eigenvalue in np.geomspace(1e4, 1e12, 25):
         stiffness, counts = driven_and_held(K, M, s, eigenvalue)
@@ -63,21 +62,6 @@ def test_equals_assembled_elements(robot, theory, s):
         np.testing.assert_allclose(d.real, stiffness, rtol=1e-8)
         np.testing.assert_allclose(d.imag, 0, atol=1e-9 * np.abs(d.real).max())
         assert fixed_tip_counts(rods, LENGTHS, np.array([eigenvalue]), s)[0].tolist() == counts
-
-
-@theories()
-def test_closed_form_element(robot, theory):
-    rod, h = robot.limbs[0].rod, 0.17
-    K, M = element_matrices(rod, h, theory)
-    unit = np.diag([1, 1 / h, 1, 1 / h])
-    dofs = np.ix_([0, 4, 6, 10], [0, 4, 6, 10])
-    stiff, mass = chain_element(sections(robot, theory), np.array([h] * 3))
-    for (p, q, t, v, r, y), matrix, scale in (
-        (stiff, K, rod.material.young * rod.second_moment / h**3),
-        (mass, M, rod.material.density * rod.area * h),
-    ):
-        expected = np.array([[p, q, t, v], [q, r, -v, y], [t, -v, p, -q], [v, y, -q, r]])[..., 0]
-        np.testing.assert_allclose(unit @ matrix[dofs] @ unit / scale, expected, rtol=1e-13)
 
 
 @theories()

@@ -1,0 +1,124 @@
+"""The limbs as chains of elements at one pose: what every formulation with elements starts from."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import beam
+from analytic.dynamic_stiffness import Sections, sections
+from analytic.kinematics import Limbs
+from analytic.mechanism import Mechanism
+from analytic.modes import STATIONS
+from analytic.theory import Theory
+
+Floats = NDArray[np.float64]
+
+RIGID = 1e-9
+"""A motion of the platform that the limbs resist by less than this part of the most is free."""
+MOST_ELEMENTS = 1000
+"""Elements a limb beyond which rounding of K, which grows with s^4, hides the lowest modes."""
+WEAK = 1e-3
+"""A motion resisted by less than this part is solved for as carefully as a free one."""
+
+_sections = lru_cache(maxsize=32)(sections)
+
+
+@dataclass(frozen=True)
+class Chains:
+    """n limbs of `elements` s.
+
+    Attributes: `rods`; limb `lengths` (n,) [m]; `frames` (n, 3, 3) from limb to global axes; `arms`
+    o to A_i (n, 3) [m]; `axes` of the revolute joints (n, 3); `platform_mass` M_p, Eq. (9).
+    """
+
+    elements: int
+    rods: Sections
+    lengths: Floats
+    frames: Floats
+    arms: Floats
+    axes: Floats
+    platform_mass: Floats
+
+    @property
+    def T(self) -> Floats:
+        """T_i^T, an element's global coordinates to those in limb axes, shape (n, 12, 12)."""
+        T, R = np.zeros((len(self.arms), 12, 12)), self.frames.swapaxes(1, 2)
+        for node in range(0, 12, 3):
+            T[:, node : node + 3, node : node + 3] = R
+        return T
+
+    @property
+    def element_lengths(self) -> Floats:
+        """h = L_i / s, shape (n,) [m]."""
+        return self.lengths / self.elements
+
+    @property
+    def J(self) -> Floats:
+        """J_i of Eq. (10), the platform's motion to that of A_i, shape (n, 3, 6)."""
+        return rigid_arms(self.arms)
+
+    def element_matrices(self) -> Floats:
+        """Return K_e and M_e in limb axes, shape (2, n, 12, 12)."""
+        return beam.element_matrices(self.rods, self.element_lengths)
+
+    def strains(self, nodes: Floats) -> Floats:
+        """Return `beam.strains` of motions of the nodes in global axes, (n, s + 1, 6, m)."""
+        return beam.strains(self.rods, self.element_lengths, self._in_limb_axes(nodes))
+
+    def centre_lines(self, nodes: Floats) -> Floats:
+        """Return global displacement at `STATIONS`, (m, n, 11, 3), of m motions of the nodes."""
+        local = beam.centre_lines(
+            self.rods, self.element_lengths, self._in_limb_axes(nodes), STATIONS
+        )
+        return np.asarray((self.frames[:, None] @ local).transpose(3, 0, 1, 2))
+
+    def _in_limb_axes(self, nodes: Floats) -> Floats:
+        halves = nodes.reshape(*nodes.shape[:2], 2, 3, -1)
+        return np.asarray(self.frames.swapaxes(1, 2)[:, None, None] @ halves).reshape(nodes.shape)
+
+    def free_motions(self) -> tuple[int, float]:
+        """Return how many motions of the platform no limb resists, and by what to shift K.
+
+        A limb resists its tip along and across, but not about its revolute joint. The shift, zero
+        where all motions are held well, is omega^2 of the softest limb between pins,
+        (pi / L)^4 EI / rho A: added as that much of M it makes K definite.
+        """
+        held = self.frames[:, :, 1:].swapaxes(1, 2) @ self.J
+        held[..., 3:] /= self.unit
+        resisted = np.linalg.svd(held.reshape(-1, 6), compute_uv=False)
+        free = 6 - int((resisted > RIGID * resisted[0]).sum())
+        if free == 0 and resisted[5] > WEAK * resisted[0]:
+            return 0, 0.0
+        return free, self.limb_scale
+
+    @property
+    def unit(self) -> float:
+        """A length to multiply rotations by, where they are compared with displacements [m]."""
+        return float(self.lengths.mean())
+
+    @property
+    def limb_scale(self) -> float:
+        """Omega^2 of the softest limb's first bending mode between pins, (pi / L)^4 EI / rho A."""
+        return float(((np.pi / self.lengths) ** 4 * self.rods.EI / self.rods.line_mass).min())
+
+
+def chains(mechanism: Mechanism, limbs: Limbs, elements: int, theory: Theory) -> Chains:
+    """Return the chains of `mechanism` with its `limbs` at one pose."""
+    rods, axes = _sections(mechanism, theory), mechanism.axes
+    M_p = np.zeros((6, 6))
+    M_p[:3, :3] = mechanism.platform.mass * np.eye(3)
+    M_p[3:, 3:] = limbs.rotation @ mechanism.platform.inertia @ limbs.rotation.T
+    return Chains(elements, rods, limbs.lengths, limbs.frames, limbs.arms, axes, M_p)
+
+
+def rigid_arms(arms: Floats) -> Floats:
+    """Return J = [E_3, [A o x]] of Eq. (10), shape (..., 3, 6); `arms` (..., 3) o to A [m]."""
+    J = np.zeros((*np.shape(arms)[:-1], 3, 6))
+    x, y, z = np.moveaxis(arms, -1, 0)
+    J[..., [0, 1, 2], [0, 1, 2]] = 1.0
+    J[..., 0, 4], J[..., 0, 5] = z, -y
+    J[..., 1, 3], J[..., 1, 5] = -z, x
+    J[..., 2, 3], J[..., 2, 4] = y, -x
+    return J
