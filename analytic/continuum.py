@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.centre_lines import centre_lines
-from analytic.certified import brackets, middles
+from analytic.certified import WIDTH, brackets, middles
 from analytic.condensed import condensed_frequencies
 from analytic.errors import number
 from analytic.kinematics import limbs_at
@@ -19,7 +19,7 @@ from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose, one_pose
 from analytic.reduced import constants
 from analytic.theory import Theory
-from analytic.wittrick_williams import WIDTH, Characteristic, characteristic
+from analytic.wittrick_williams import Characteristic, characteristic
 
 MOST = 10_000
 """Most modes that are asked for at once."""
