@@ -97,7 +97,7 @@ class Convergence(Result):
         if self.same_theory and len(self.elements) > 1:
             tables["-order"] = self._order_table()
         if len(self.elements) >= MESHES:
-            ladder = [replace(self.theory, elements=s) for s in self.elements[-MESHES:]]
+            ladder = tuple(replace(self.theory, elements=s) for s in self.elements[-MESHES:])
             tables["-verification"] = verification_table(self.study, ladder, self.shown)
         return tables
 

@@ -114,5 +114,5 @@ def test_every_way_has_every_theory_and_rival() -> None:
 
 @pytest.mark.parametrize("text", ["0", "-1", "1001", "three", "", "1e2", "9" * 40])
 def test_bad_numbers_of_rounds(text: str) -> None:
-    with pytest.raises(InputError, match="rounds = .*: expected a whole number from 1 to 1000"):
+    with pytest.raises(InputError, match=r"^rounds = .*: expected a whole number from 1 to 1000$"):
         whole_number("rounds", text, 1000)
