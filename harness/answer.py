@@ -41,8 +41,9 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     if (np.diff(frequencies) < 0).any():
         raise ModelError("its frequencies do not ascend")
     _joints(modes, mechanism, pose)
-    mass = _masses(modes, info, mechanism, pose)
+    mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
     _energies(modes, mass, mechanism, pose)
+    _masses(modes, mass, info, mechanism, pose)
     return modes
 
 
@@ -101,13 +102,12 @@ def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
             raise ModelError(f"in the shape of mode {int(far.argmax()) + 1} {what}")
 
 
-def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> Array:
-    """Return the modal masses of centre lines and platform; refuse what is not scaled to one.
+def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: Pose) -> None:
+    """Refuse modes whose `mass`, of centre lines and platform, is not scaled to one.
 
     A mode that moves neither is a limb that twists alone, and none does below its first own
     frequency.
     """
-    mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
     still = mass < STILL**2
     twisting = still & (modes.frequencies > torsion(mechanism, pose).min() / COARSE)
     wrong = still & ~(twisting & info.torsion)
@@ -119,7 +119,6 @@ def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> Array
     if wrong.any():
         i = int(wrong.argmax())
         raise ModelError(f"mode {i + 1} has a modal mass of {mass[i]:.3g}, where 1 was expected")
-    return np.where(still, 0.0, mass)
 
 
 def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> None:
@@ -141,7 +140,7 @@ def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> No
     density = bending * (curvature**2).sum(axis=-1) + axial * (strain**2).sum(axis=-1)
     energy = (density * h * limbs.lengths).sum(axis=-1)
     floor = FREE * modes.frequencies.max(initial=0.0)
-    seen = np.flatnonzero((mass > 0) & (modes.frequencies > floor))[:LOWEST]
+    seen = np.flatnonzero((mass >= STILL**2) & (modes.frequencies > floor))[:LOWEST]
     if not seen.size:
         return
     own = np.sqrt(energy[seen] / mass[seen]) / (2 * np.pi)

@@ -1,7 +1,7 @@
 """Solves cases by models: each answer once, checked where it arrives, failures in words."""
 
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
 from analytic import Mechanism, Modes, Pose, limbs_at
@@ -13,6 +13,8 @@ from harness.declared import asked, keeps
 from harness.rows import mode_rows, settings
 from harness.workers import Children, Failure, Task, attempt
 from reference_models import ModelError
+from reference_models.richardson import SPARE as CROSSING
+from reference_models.richardson import extrapolated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -163,7 +165,10 @@ class Bench:
         info = model.info()
         if info.missing:
             return Failure(f"cannot run here: {info.missing}")
-        found = self.call(ModesTask(model, mechanism, pose, count), info.isolated)
+        if isinstance(model.elements, tuple):
+            found = self._extrapolated(model, model.elements, mechanism, pose, count)
+        else:
+            found = self.call(ModesTask(model, mechanism, pose, count), info.isolated)
         if isinstance(found, Failure):
             return found
         try:
@@ -174,6 +179,20 @@ class Bench:
         except ModelError as error:
             return Failure(str(error))
         return modes
+
+    def _extrapolated(
+        self, model: Model, elements: tuple[int, int], mechanism: Mechanism, pose: Pose, count: int
+    ) -> object:
+        """Return the limit of two meshes, each checked by itself, or why there is none."""
+        meshes = []
+        for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
+            mesh = replace(model, elements=number)  # type: ignore[type-var]
+            found = self.solve(mesh, mechanism, pose, count + spare)
+            if isinstance(found, Failure):
+                return Failure(f"with {number} elements {found.reason}")
+            meshes.append(found)
+        order = model.info().order
+        return extrapolated(meshes[0], meshes[1], elements, order, mechanism, pose, count)
 
     def _exact(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | None:
         """Return the exact limit that a model declares; None where there is none."""

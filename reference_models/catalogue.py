@@ -137,7 +137,12 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
     if found is None:
         raise InputError(argument, text, "NAME, NAME@ELEMENTS or NAME@exact")
     name, number, own = found["name"], found["elements"], found["settings"]
-    thing = find(name, argument)
+    try:
+        thing = find(name, argument)
+    except InputError:
+        raise
+    except BaseException:  # it cannot be imported: `info` says why
+        thing = None
     info, known = Named(name, None).info(), accepted(name)
     given: dict[str, Any] = {}
     for item in own.split(",") if own else ():

@@ -42,18 +42,36 @@ class Richardson:
         # More modes than asked for: one that crosses the end of a mesh's list must be found.
         coarse: Modes = self.coarse.modes(mechanism, pose, count + 2 * SPARE)
         fine: Modes = self.fine.modes(mechanism, pose, count + SPARE)
-        ratio = self.fine.elements / self.coarse.elements
-        partner = pair(fine, coarse, mechanism, pose).partner
-        step = (fine.frequencies - coarse.frequencies[partner]) / (ratio**self.order - 1)
-        order = np.argsort(fine.frequencies + step)[:count]
-        return replace(
-            fine,
-            frequencies=(fine.frequencies + step)[order],
-            platform=fine.platform[order],
-            limbs=fine.limbs[order],
-            elements=self.elements,
-            residual=max(coarse.residual or 0.0, fine.residual or 0.0),
-            build_seconds=coarse.build_seconds + fine.build_seconds,
-            solve_seconds=coarse.solve_seconds + fine.solve_seconds,
-            uncertainty=np.abs(step)[order],
-        )
+        return extrapolated(coarse, fine, self.elements, self.order, mechanism, pose, count)
+
+
+def extrapolated(
+    coarse: Modes,
+    fine: Modes,
+    elements: tuple[int, int],
+    order: float,
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+) -> Modes:
+    """Return the `count` lowest modes in the limit of two meshes of so many `elements`.
+
+    `coarse` holds at least as many modes as `fine`. A limit below zero is zero: by the uncertainty
+    it may be.
+    """
+    ratio = elements[1] / elements[0]
+    partner = pair(fine, coarse, mechanism, pose).partner
+    step = (fine.frequencies - coarse.frequencies[partner]) / (ratio**order - 1)
+    limit = np.maximum(fine.frequencies + step, 0.0)
+    lowest = np.argsort(limit)[:count]
+    return replace(
+        fine,
+        frequencies=limit[lowest],
+        platform=fine.platform[lowest],
+        limbs=fine.limbs[lowest],
+        elements=elements,
+        residual=max(coarse.residual or 0.0, fine.residual or 0.0),
+        build_seconds=coarse.build_seconds + fine.build_seconds,
+        solve_seconds=coarse.solve_seconds + fine.solve_seconds,
+        uncertainty=np.abs(step)[lowest],
+    )

@@ -99,14 +99,15 @@ class Slenderness(Result):
         """Return the largest errors of the theories for the most slender and the stoutest rods."""
         pick, lines = [i - 1 for i in self.shown], []
         for k in dict.fromkeys((0, len(self.ratios) - 1)):
-            worst = {}
+            worst = []
             for theory in self.theories:
                 found = np.array([self.errors[case, theory][k][pick] for case in self.uncertainty])
                 if np.isfinite(found).any():
-                    worst[theory] = f"{theory.name} is up to {percent(np.nanmax(np.abs(found)))}"
+                    most = percent(float(np.nanmax(np.abs(found))))
+                    worst.append(f"{most} (exact {theory.name})")
             if worst:
                 lines.append(
-                    f"At d/L = {self.ratios[k]:g} exact {', exact '.join(worst.values())} from "
+                    f"At d/L = {self.ratios[k]:g} beam theory is up to {' and '.join(worst)} from "
                     f"{self.reference.label}."
                 )
         return lines

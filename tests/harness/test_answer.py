@@ -1,0 +1,160 @@
+"""A wrong model is one sentence and a failure, in every command; the others' results stand."""
+
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analytic import Continuum, Modes, Substructure
+from harness.answer import checked
+from harness.bench import Bench
+from harness.cases import PRESETS
+from harness.studies.refinement import ladder, refine
+from reference_models import ModelError, Named
+
+# Every class of tests/plugin/wrong.py, and what the sentence about it must say.
+WRONG = {
+    "kilohertz": r"is it in hertz\?",
+    "radians": r"is it in hertz\?",
+    "percent": "not of the theory that it declares",
+    "few": "modes, where .* were asked for",
+    "many": "modes, where .* were asked for",
+    "not-a-number": "its frequencies hold nan",
+    "missing": "a mode is missing",
+    "raises": "ValueError: a bug",
+    "crashes": "its process was ended by SIGSEGV",
+    "exits": "its process ended by itself",
+    "shape": "its shapes of the limbs are",
+    "zero": "moves nothing",
+    "unsorted": "do not ascend",
+    "array": "it answered ndarray, where Modes were expected",
+    "large": "has a modal mass of 1e.06",
+    "gap": "its joints are open by 1.0e-03 m",
+    "no-elements": "it takes no elements",
+    "no-info": r"its info\(\) raises RuntimeError: its licence has run out",
+    "unimportable": "it cannot be imported",
+}
+SITE = Path(__file__).parents[1] / "plugin"
+
+
+def class_of(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("-"))
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Install the wrong models for this process and those it starts."""
+    about = tmp_path / "site" / "wrong-1.dist-info"
+    shutil.copytree(SITE, about.parent)
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: wrong\nVersion: 1\n")
+    points = {f"x-{name}": f"wrong:{class_of(name)}" for name in ("honest", *WRONG)}
+    points["x-unimportable"] = "unimportable:Model"
+    lines = "".join(f"{name} = {where}\n" for name, where in points.items())
+    (about / "entry_points.txt").write_text(f"[rps_bench.reference_models]\n{lines}")
+    monkeypatch.setenv("PYTHONPATH", str(about.parent))
+    monkeypatch.syspath_prepend(about.parent)
+
+
+def one_sentence_each(err: str, case: str, models: dict[str, str]) -> None:
+    for name, says in models.items():
+        lines = [line for line in err.splitlines() if f"x-{name}@" in line]
+        assert lines, f"nothing is said of {name}"
+        assert all(re.search(says, line) for line in lines), lines
+        assert all(f"at {case} failed: " in line for line in lines), lines
+    assert "Traceback" not in err
+
+
+ALL = ",".join(f"x-{name}" for name in ("honest", *WRONG))
+COMMANDS = [
+    ("table", "--references", ALL),
+    ("refine", "--references", ALL),
+    ("reproduce", "--only", "table", "--references", ALL, "--output", "out"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda c: c[0])
+def test_wrong_models(
+    rps_bench: Callable[..., Any],
+    site: None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: tuple[str, ...],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    answer = rps_bench(*command, "--cases", "case2")
+    assert answer.status == 1
+    says = dict(WRONG)
+    if command[0] == "refine":
+        says["percent"] = "it does not converge to the theory it declares"
+    one_sentence_each(answer.err, "case2", says)
+    assert "x-honest" not in answer.err
+    if command[0] == "reproduce":
+        found = (tmp_path / "out" / "table1.csv").read_text()
+        assert "FEA (x-honest@4+8)" in found
+        assert not any(f"x-{name}@" in found for name in WRONG)
+    else:
+        assert "149.507" in answer.out and "x-honest" in answer.out
+
+
+def test_one_mesh_of_another_scale_is_caught_and_one_percent_is_not(site: None) -> None:
+    """One mesh may miss its limit by a percent; by a thousand, or a mode, it may not."""
+    with Bench() as bench:
+        case = PRESETS["case1"]
+        for name, told in (("kilohertz", True), ("missing", True), ("percent", False)):
+            found = bench.run([case], [Named(f"x-{name}", 1)], 6)
+            assert bool(found.failures) == told, (name, found.failures)
+        steps = ladder(Named("x-percent", 4))
+        said = refine([case], [steps], [1, 2, 3], bench).failures()
+    assert list(said) == ["x-percent@8 at case1"]
+    assert "f1 = 139.205 Hz for 137.826 Hz" in said["x-percent@8 at case1"]
+
+
+def right() -> tuple[Any, ...]:
+    case = PRESETS["case2"]
+    modes = Substructure(3).modes(case.mechanism, case.pose, 8)
+    return modes, Substructure(3).info(), case.mechanism, case.pose
+
+
+def spoilt(modes: Modes, name: str, i: int, factor: float) -> Modes:
+    values = getattr(modes, name).copy()
+    values[i] = factor * values[i]
+    return replace(modes, **{name: values})
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda m: replace(m, frequencies=-m.frequencies[::-1]), "below zero"),
+        (lambda m: spoilt(m, "limbs", 1, 1.1), "mode 2 limbs leave the platform"),
+        (lambda m: spoilt(m, "platform", 4, np.inf), "not finite"),
+        (lambda m: replace(m, residual=np.nan), "open"),
+        (lambda m: replace(m, limbs=m.limbs + 1e-2), "leave"),
+        (lambda m: replace(m, uncertainty=np.full(8, -1.0)), "uncertainties"),
+        (lambda m: replace(m, frequencies=m.frequencies.astype(complex)), "type complex"),
+    ],
+)
+def test_what_an_answer_must_satisfy(spoil: Callable[[Modes], Modes], says: str) -> None:
+    modes, info, mechanism, pose = right()
+    assert checked(modes, info, mechanism, pose, 8) is modes
+    with np.errstate(invalid="ignore"), pytest.raises(ModelError, match=says):
+        checked(spoil(modes), info, mechanism, pose, 8)
+
+
+def test_a_limb_that_twists_alone_is_a_mode_only_where_it_can() -> None:
+    """Three limbs of case 1 twist at sqrt(G / rho) / 4 L; zero shapes lower down are none."""
+    case = PRESETS["case1"]
+    modes = Continuum().modes(case.mechanism, case.pose, 14)
+    info = Continuum().info()
+    checked(modes, info, case.mechanism, case.pose, 14)
+    with pytest.raises(ModelError, match="moves nothing"):
+        checked(modes, replace(info, torsion=False), case.mechanism, case.pose, 14)
+    low = spoilt(spoilt(modes, "limbs", 0, 0.0), "platform", 0, 0.0)
+    with pytest.raises(ModelError, match="mode 1 moves nothing"):
+        checked(low, info, case.mechanism, case.pose, 14)
