@@ -83,6 +83,14 @@ def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: Array, expected: str) ->
         raise InputError("pose", pose[tuple(where)] if where else pose, said)
 
 
+def largest_gap(mechanism: Mechanism, tips: Array) -> float:
+    """Return how far any of `tips` A_i (n, 3) is beside its revolute joint, |e_i . (A_i - B_i)| [m].
+
+    With the axes e_i as given: a simulator's own, turned with its limb, would hide the gap.
+    """
+    return float(np.abs(((tips - mechanism.bases) * mechanism.axes).sum(axis=-1)).max())
+
+
 def _about_z(angle: object) -> Array:
     c, s = np.cos(angle), np.sin(angle)  # type: ignore[call-overload]
     o, i = np.zeros_like(c), np.ones_like(c)

@@ -7,46 +7,65 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic.modes import check_count
+from reference_models.protocol import hertz
 
 Array = NDArray[np.float64]
 RANK = 1e-9
 """Singular values below this, relative to the largest of the same joints, are zero."""
-FREE = 1e-10
-"""A ratio of eigenvalues at which the lower one is a free motion rather than a vibration."""
 NOISE = 1e-14
 """Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
+ROUNDING = 1e-12
+"""Of an entry of K, relative, with what projection adds."""
 
-def constrained_modes(K: Array, M: Array, J: Array, count: int) -> tuple[Array, Array, int]:
+
+def constrained_modes(
+    model: str, K: Array, M: Array, J: Array, count: int, rounding: float = ROUNDING
+) -> tuple[Array, Array, int]:
     """Return frequencies [Hz] (count,), mass-normalised shapes (N, count), coordinates left free.
 
     K, M are (N, N) over all coordinates q; the joints demand J dq = 0, J (c, N) of any rank.
     With N_0 an orthonormal basis of J's null space: (N_0^T K N_0 - omega^2 N_0^T M N_0) x = 0.
-    Raises `InputError` for more modes than coordinates left free.
+    K's entries are known to `rounding`, relative. Raises `InputError` for more modes than
+    coordinates left free, and `ModelError` naming the `model` where an omega^2 is below zero.
     """
     free = null_space(J)
     check_count(count, free.shape[1])
     reduced = (free.T @ (A @ free) for A in (K, M))
     K_free, M_free = ((A + A.T) / 2 for A in reduced)
-    values, x = _lowest(K_free, M_free, count)
-    return np.sqrt(np.maximum(values, 0.0)) / (2 * np.pi), free @ x, free.shape[1]
+    values, x, noise = _lowest(K_free, M_free, count, rounding)
+    return hertz(model, values, noise), free @ x, free.shape[1]
 
 
-def _lowest(K: Array, M: Array, count: int) -> tuple[Array, Array]:
-    """Return the lowest eigenvalues and mass-normalised vectors of a symmetric pair.
+def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Array, Array]:
+    """Return the lowest eigenvalues, mass-normalised vectors, and how far the former are known.
 
     LAPACK's error is relative to the largest eigenvalue: that of (M, K) belongs to the lowest mode.
-    Where K is singular (a free motion) only (K, M) can be solved.
+    Where K is singular (a free motion), K + sigma M is not, with sigma the lowest vibration's.
     """
-    size = len(K)
+    last = (len(K) - count, len(K) - 1)
     try:
-        mu, x = scipy.linalg.eigh(M, K, subset_by_index=(size - count, size - 1))
+        mu, x = scipy.linalg.eigh(M, K, subset_by_index=last)
+        found = 1 / mu[::-1], (x / np.sqrt(mu))[:, ::-1]
+        noise = _noise(K, found[1], rounding)
+        if (found[0] > noise).all():
+            return *found, noise
     except np.linalg.LinAlgError:
-        mu = np.zeros(1)
-    if mu[0] <= FREE * mu[-1]:
-        values, x = scipy.linalg.eigh(K, M, subset_by_index=(0, count - 1))
-        return values, x
-    return 1 / mu[::-1], (x / np.sqrt(mu))[:, ::-1]
+        pass  # K is singular, or not even that
+    values, x = scipy.linalg.eigh(K, M)
+    noise = _noise(K, x, rounding)
+    if values[0] < -noise[0]:
+        return values[:count], x[:, :count], noise[:count]
+    above = values > noise
+    shift = float(values[above][0]) if above.any() else 1.0
+    mu, x = scipy.linalg.eigh(M, K + shift * M, subset_by_index=last)
+    x = (x / np.sqrt(mu))[:, ::-1]
+    return 1 / mu[::-1] - shift, x, _noise(K, x, rounding)
+
+
+def _noise(K: Array, x: Array, rounding: float) -> Array:
+    """Return how far x^T K x is known for every column of x where K's entries are rounded."""
+    return rounding * np.einsum("im,im->m", np.abs(x), np.abs(K) @ np.abs(x))
 
 
 def null_space(J: Array) -> scipy.sparse.csr_array:

@@ -14,14 +14,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
 from analytic.mechanism import Mechanism, Platform, Rod
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose
+from reference_models import placement
 from reference_models.placement import Placement, place
 from reference_models.projection import constrained_modes
-from reference_models.protocol import ModelError, UnavailableError, check_closure
+from reference_models.protocol import ModelError, UnavailableError
+from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
 
@@ -121,8 +122,22 @@ def run(
     Raises `InputError` for many poses, a pose out of reach or too many modes, and `ModelError`
     where joints are open or Exudyn fails.
     """
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+
+    def solve(mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+        return _solve(name, theory, elements, add_rod, mechanism, pose, count)
+
+    return in_robot_units(name, solve, mechanism, pose, count)
+
+
+def _solve(
+    name: str,
+    theory: str,
+    elements: int,
+    add_rod: AddRod,
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+) -> Modes:
     exu = load()
     begin = time.perf_counter()
     placed = place(mechanism, pose)
@@ -130,16 +145,17 @@ def run(
     with system(exu, name) as mbs:
         node, body = add_platform(exu, mbs, mechanism.platform, o, R)
         lines = [add_rod(exu, mbs, axis) for axis in axes]
-        joints = [line.joint for line in lines]
-        for line, limb in zip(lines, mechanism.limbs, strict=True):
-            joints.append(add_spherical(exu, mbs, body, limb.platform_point, line.tip))
+        spherical = [
+            add_spherical(exu, mbs, body, limb.platform_point, line.tip)
+            for line, limb in zip(lines, mechanism.limbs, strict=True)
+        ]
         mbs.Assemble()
-        residual = check_closure(name, largest_gap(exu, mbs, joints))
+        residual = largest_gap(exu, mbs, mechanism, [line.joint for line in lines], spherical)
         M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
         if not np.isfinite(K).all() or not np.isfinite(M).all():
             raise ModelError(f"{name}: Exudyn's matrices hold values that are not finite")
         built = time.perf_counter()
-        frequencies, q, free = constrained_modes(K, M, J.T, count)
+        frequencies, q, free = constrained_modes(name, K, M, J.T, count)
         solved = time.perf_counter()
         platform, limbs = read_shapes(exu, mbs, q, node, lines)
     return Modes(
@@ -193,11 +209,23 @@ def add_spherical(exu: Any, mbs: Any, body: int, point: Any, marker: int) -> tup
     return held, marker
 
 
-def largest_gap(exu: Any, mbs: Any, joints: list[tuple[int, int]]) -> float:
-    """Return the largest distance between the markers a joint should hold together [m]."""
+def largest_gap(
+    exu: Any,
+    mbs: Any,
+    mechanism: Mechanism,
+    revolute: list[tuple[int, int]],
+    spherical: list[tuple[int, int]],
+) -> float:
+    """Return the largest gap of a joint [m]: between markers, and along a revolute axis as given.
+
+    `revolute` and `spherical` hold the pair of markers of every limb; those at A_i are the
+    platform's first.
+    """
     where = exu.OutputVariableType.Position
+    joints = revolute + spherical
     ends = np.array([[mbs.GetMarkerOutput(m, where) for m in joint] for joint in joints])
-    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
+    beside = placement.largest_gap(mechanism, ends[len(revolute) :, 0])
+    return max(beside, float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max()))
 
 
 def along_elements(

@@ -7,14 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS
+from reference_models.placement import largest_gap
 from reference_models.mujoco.rig import Limb
 
 Array = NDArray[np.float64]
 
 
-def gap(model: Any, data: Any, limbs: list[Limb]) -> float:
-    """Return the largest gap of a joint [m]: hinge from B_i, rod's end from A_i.
+def gap(model: Any, data: Any, mechanism: Mechanism, limbs: list[Limb]) -> float:
+    """Return the largest gap of a joint: hinge from B_i, along its axis as given, rod from A_i.
 
     A `connect` knows its gap; a flex's last vertex, on the platform, is where the platform is.
     """
@@ -26,7 +28,9 @@ def gap(model: Any, data: Any, limbs: list[Limb]) -> float:
     if model.nflex:
         ends = data.flexvert_xpos[model.flex_vertadr + model.flex_vertnum - 1]
         gaps.append(ends - [limb.tip for limb in limbs])
-    return float(np.linalg.norm(np.concatenate(gaps), axis=1).max())
+    tips = np.array([data.site(f"A{i}").xpos for i in range(len(limbs))])
+    apart = float(np.linalg.norm(np.concatenate(gaps), axis=1).max())
+    return max(apart, largest_gap(mechanism, tips))
 
 
 def jacobian(model: Any, data: Any, body: str, point: Array) -> Array:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.mujoco.rig import Limb, Rods, document, limbs_of, surplus
-from reference_models.projection import constrained_modes
-from reference_models.protocol import UnavailableError, check_closure
+from reference_models.projection import ROUNDING, constrained_modes
+from reference_models.protocol import UnavailableError
+from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
 
@@ -56,22 +56,42 @@ def run(
     mechanism: Mechanism,
     pose: Pose,
     count: int,
+    rounding: float = ROUNDING,
 ) -> Modes:
     """Return the `count` lowest modes of the platform on rods made by `make_rods`.
 
-    `stiffness` returns K (nv, nv) of a compiled model with its data at rest.
+    `stiffness` returns K (nv, nv) of a compiled model with its data at rest, whose entries are
+    known to `rounding`, relative.
     Raises `InputError` for many poses, a pose out of reach or more modes than coordinates,
     `ModelError` where MuJoCo warns or fails or a joint is open, `UnavailableError` without a fit
     MuJoCo.
     """
     if reason := missing():
         raise UnavailableError(f"{name} cannot run here: {reason}")
+
+    def solve(mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+        return _solve(
+            name, theory, elements, make_rods, stiffness, mechanism, pose, count, rounding
+        )
+
+    return in_robot_units(name, solve, mechanism, pose, count)
+
+
+def _solve(
+    name: str,
+    theory: str,
+    elements: int,
+    make_rods: Callable[[list[Limb]], Rods],
+    stiffness: Callable[[Any, Any, list[Limb]], Array],
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+    rounding: float,
+) -> Modes:
     # These need MuJoCo; info() must not.
     from reference_models.mujoco import geometry
     from reference_models.mujoco import linearise as mj
 
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
     begin = time.perf_counter()
     limbs = limbs_of(mechanism, pose)
     rods = make_rods(limbs)
@@ -80,7 +100,7 @@ def run(
         model.body("platform").inertia -= surplus(mechanism)
         rods.amend(model)
         data = mj.at_rest(model)
-        residual = check_closure(name, geometry.gap(model, data, limbs))
+        residual = geometry.gap(model, data, mechanism, limbs)
         platform = geometry.jacobian(model, data, "platform", data.body("platform").xpos)
         motion = np.stack(
             [
@@ -91,7 +111,7 @@ def run(
         M, J = mj.inertia(model, data), mj.joint_jacobian(model, data)
         K = stiffness(model, data, limbs)
     built = time.perf_counter()
-    frequencies, shapes, dofs = constrained_modes(K, M, J, count)
+    frequencies, shapes, dofs = constrained_modes(name, K, M, J, count, rounding)
     return Modes(
         frequencies=frequencies,
         platform=(platform @ shapes).T,

@@ -13,10 +13,12 @@ from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.exudyn.system import Axis
-from reference_models.protocol import ModelError, UnavailableError, check_closure
+from reference_models import placement
+from reference_models.protocol import ModelError, UnavailableError
 from reference_models.solid.calculix_deck import Deck, write
 from reference_models.solid.calculix_run import MISSING, NAME, Answer, program, run, version
 from reference_models.solid.rod_mesh import RodMesh
+from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
 
@@ -84,11 +86,12 @@ class CalculixSolid:
         Raises `InputError` for a pose out of reach or more modes than coordinates, and as
         `calculix_run.run`; `ModelError` also where a joint is open.
         """
-        if pose.shape:
-            raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+        return in_robot_units(NAME, self._solve, mechanism, pose, count)
+
+    def _solve(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
         begin = time.perf_counter()
         deck = write(mechanism, pose, self._mesh, self.element, count)
-        residual = check_closure(NAME, largest_gap(deck, mechanism))
+        residual = largest_gap(deck, mechanism)
         built = time.perf_counter()
         answer = run(deck.text, self.time_limit)
         solved = time.perf_counter()
@@ -116,7 +119,8 @@ def largest_gap(deck: Deck, mechanism: Mechanism) -> float:
     """Return the largest distance between what a joint should hold together, in the deck [m].
 
     From the nodes as written: the start of each rod's centre line from B_i, its end from the
-    platform's node at A_i, and each face's reference node from both.
+    platform's node at A_i, each face's reference node from both, and A_i from the plane of its
+    revolute joint.
     """
     points = deck.points()
     gaps = []
@@ -124,7 +128,8 @@ def largest_gap(deck: Deck, mechanism: Mechanism) -> float:
         line = np.einsum("sk,skx->sx", rod.weights, points[rod.nodes - 1])
         anchor, tip, point = points[[rod.anchor - 1, rod.tip - 1, held - 1]]
         gaps += [line[0] - base, anchor - base, line[-1] - point, tip - point]
-    return float(np.linalg.norm(gaps, axis=1).max())
+    beside = placement.largest_gap(mechanism, points[deck.held - 1])
+    return max(beside, float(np.linalg.norm(gaps, axis=1).max()))
 
 
 def centre_lines(answer: Answer, deck: Deck) -> Array:

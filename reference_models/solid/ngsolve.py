@@ -19,12 +19,13 @@ from analytic.mechanism import Limb, Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
-from reference_models.placement import Placement, place
-from reference_models.protocol import ModelError, UnavailableError, check_closure
+from reference_models.placement import Placement, largest_gap, place
+from reference_models.protocol import ModelError, UnavailableError, hertz
 from reference_models.solid.faces import FACES, Held, check_faces, hold
 from reference_models.solid.ngsolve_mesh import LARGEST_ORDER, load, solid_rod
 from reference_models.solid.reduction import PARTS, Statics, statics
 from reference_models.solid.rod import FAMILIES, SLENDERNESS
+from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
 
@@ -104,14 +105,15 @@ class NgsolveSolid:
         Raises `InputError` for many poses, a pose out of reach or too many modes, `ModelError`
         where Netgen or NGSolve fails, and `UnavailableError` without NGSolve.
         """
-        if pose.shape:
-            raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+        return in_robot_units(NAME, self._solve, mechanism, pose, count)
+
+    def _solve(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
         version = load().__version__
         begin = time.perf_counter()
         placed = place(mechanism, pose)
         R = placed.rotation
         limbs = [_place(self, limb, placed, i) for i, limb in enumerate(mechanism.limbs)]
-        residual = check_closure(NAME, max(limb.gap for limb in limbs))
+        residual = max(*(limb.gap for limb in limbs), largest_gap(mechanism, placed.tips))
         M = np.zeros((6, 6))
         M[:3, :3] = mechanism.platform.mass * np.eye(3)
         M[3:, 3:] = R @ np.array(mechanism.platform.inertia) @ R.T
@@ -123,7 +125,7 @@ class NgsolveSolid:
         local = system.centre_lines(X).reshape(len(limbs), len(FAMILIES), -1, count)
         frames = np.array([limb.frame for limb in limbs])
         return Modes(
-            frequencies=np.sqrt(eigenvalues) / (2 * np.pi),
+            frequencies=hertz(NAME, eigenvalues, 0.0),
             platform=X[:6].T,
             limbs=np.einsum("ncf,nfsk->knsc", frames, local[:, :3]),
             theory=self.theory,

@@ -21,7 +21,7 @@ def chain(masses: int, stiffness: float = 400.0, mass: float = 0.3) -> tuple[np.
 
 def test_chain_of_springs_between_held_ends() -> None:
     K, M, J, expected = chain(7)
-    frequencies, shapes, free = constrained_modes(K, M, J, 7)
+    frequencies, shapes, free = constrained_modes("chain", K, M, J, 7)
     assert free == 7
     np.testing.assert_allclose(frequencies, expected, rtol=1e-12)
     np.testing.assert_allclose(shapes.T @ M @ shapes, np.eye(7), atol=1e-12)
@@ -33,7 +33,7 @@ def test_physical_pendulum_on_a_spring() -> None:
     m, inertia, length, k = 2.5, 0.4, 0.7, 90.0
     J = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, -length]])
     M, K = np.diag([m, m, inertia]), np.diag([0.0, 0.0, k])
-    (frequency,), shape, free = constrained_modes(K, M, J, 1)
+    (frequency,), shape, free = constrained_modes("chain", K, M, J, 1)
     moment = inertia + m * length**2
     assert free == 1
     assert frequency == pytest.approx(np.sqrt(k / moment) / (2 * np.pi), rel=1e-13)
@@ -48,14 +48,14 @@ def test_redundant_rescaled_and_empty_constraints_change_nothing(units: float) -
     noise = np.full(J.shape[1], 1e-18)
     total, difference = J[0] + J[1], J[0] - J[1]
     more = np.vstack([units * total, difference / units, total, np.zeros_like(noise), noise])
-    frequencies, _, free = constrained_modes(K, M, more, 5)
+    frequencies, _, free = constrained_modes("chain", K, M, more, 5)
     assert free == 5
     np.testing.assert_allclose(frequencies, expected, rtol=1e-12)
 
 
 def test_without_constraints_all_is_free() -> None:
     K, M, _, _ = chain(4)
-    frequencies, _, free = constrained_modes(K, M, np.zeros((0, 6)), 6)
+    frequencies, _, free = constrained_modes("chain", K, M, np.zeros((0, 6)), 6)
     assert free == 6
     # Free ends: w_k = 2 sqrt(k/m) sin(k pi / 2n), the first the rigid motion.
     expected = np.sqrt(400 / 0.3) * np.sin(np.arange(6) * np.pi / 12) / np.pi
@@ -65,12 +65,12 @@ def test_without_constraints_all_is_free() -> None:
 def test_more_modes_than_coordinates_are_refused() -> None:
     K, M, J, _ = chain(3)
     with pytest.raises(InputError, match="count = 4: expected at most 3"):
-        constrained_modes(K, M, J, 4)
+        constrained_modes("chain", K, M, J, 4)
     with pytest.raises(InputError, match="at most 0"):
-        constrained_modes(K, M, np.eye(5), 1)
+        constrained_modes("chain", K, M, np.eye(5), 1)
     for count in (0, -1, 2.5, True):
         with pytest.raises(InputError, match="count"):
-            constrained_modes(K, M, J, count)  # type: ignore[arg-type]
+            constrained_modes("chain", K, M, J, count)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(30))
