@@ -46,7 +46,7 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
     The platform is turned by `tilt` about the axis in the base plane at right angles to `azimuth`:
     three elementary rotations. Its x and y follow from the joints: every A_i stays in the plane
     through B_i square to the revolute axis as given, by least squares. Raises `InputError` naming
-    the limb and the gap where one does not.
+    the limb and the gap where one does not, or where A_i meets B_i.
     """
     turn = _about_z(pose.azimuth)
     rotation = turn @ _about_y(pose.tilt) @ turn.swapaxes(-1, -2)
@@ -84,11 +84,19 @@ def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: Array, expected: str) ->
 
 
 def largest_gap(mechanism: Mechanism, tips: Array) -> float:
-    """Return how far any of `tips` A_i (n, 3) is beside its revolute joint, |e_i . (A_i - B_i)| [m].
+    """Return how far any of `tips` A_i (n, 3) is beside its joint, |e_i . (A_i - B_i)| [m].
 
-    With the axes e_i as given: a simulator's own, turned with its limb, would hide the gap.
+    With the revolute axes e_i as given: a simulator's, turned with its limb, would hide the gap.
     """
     return float(np.abs(((tips - mechanism.bases) * mechanism.axes).sum(axis=-1)).max())
+
+
+def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: Array, expected: str) -> None:
+    """Raise `InputError` for the first pose and limb that is `bad`."""
+    if bad.any():
+        *where, limb = np.argwhere(bad)[0].tolist()
+        one = pose[tuple(where)] if where else pose
+        raise InputError("pose", one, expected.format(limb + 1, float(amount[(*where, limb)])))
 
 
 def _about_z(angle: object) -> Array:

@@ -53,19 +53,18 @@ def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Arr
     except np.linalg.LinAlgError:
         pass  # K is singular, or not even that
     values, x = scipy.linalg.eigh(K, M)
-    noise = _noise(K, x, rounding)
+    noise = _noise(K, x, rounding) + len(K) * np.finfo(float).eps * values[-1]
     if values[0] < -noise[0]:
         return values[:count], x[:, :count], noise[:count]
-    above = values > noise
-    shift = float(values[above][0]) if above.any() else 1.0
+    shift = float(np.append(values[values > noise], 1.0)[0])
     mu, x = scipy.linalg.eigh(M, K + shift * M, subset_by_index=last)
     x = (x / np.sqrt(mu))[:, ::-1]
-    return 1 / mu[::-1] - shift, x, _noise(K, x, rounding)
+    return 1 / mu[::-1] - shift, x, _noise(K, x, rounding) + rounding * shift
 
 
 def _noise(K: Array, x: Array, rounding: float) -> Array:
     """Return how far x^T K x is known for every column of x where K's entries are rounded."""
-    return rounding * np.einsum("im,im->m", np.abs(x), np.abs(K) @ np.abs(x))
+    return np.asarray(rounding * np.einsum("im,im->m", np.abs(x), np.abs(K) @ np.abs(x)))
 
 
 def null_space(J: Array) -> scipy.sparse.csr_array:

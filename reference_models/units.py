@@ -30,21 +30,21 @@ class Units:
     time: float
 
     @classmethod
-    def of(cls, mechanism: Mechanism, lengths: Array) -> "Units":
-        """Return about the longest limb's length, its mass and the time a wave takes along it."""
+    def of(cls, mechanism: Mechanism, lengths: Array, slow: float = 1.0) -> "Units":
+        """Return about the longest limb's length, its mass, and `slow` times the time that a wave
+        takes along it.
+        """
         longest = int(np.argmax(lengths))
         rod, L = mechanism.limbs[longest].rod, float(lengths[longest])
         mass = rod.material.density * rod.area * L
         time = L * np.sqrt(rod.material.density / rod.material.young)
-        return cls(_power(2, L), _power(4, mass), _power(2, time))
+        return cls(_power(2, L), _power(4, mass), _power(2, slow * time))
 
     def mechanism(self, given: Mechanism) -> Mechanism:
         """Return a mechanism, given in SI, in these units."""
         moment = self.mass * self.length**2
-        inertia = [[value / moment for value in row] for row in given.platform.inertia]
-        platform = Platform(
-            given.platform.mass / self.mass, tuple(map(_three, inertia)), given.platform.form
-        )  # type: ignore[arg-type]
+        xx, yy, zz = (_three([value / moment for value in row]) for row in given.platform.inertia)
+        platform = Platform(given.platform.mass / self.mass, (xx, yy, zz), given.platform.form)
         return Mechanism(tuple(self._limb(limb) for limb in given.limbs), platform)
 
     def _limb(self, limb: Limb) -> Limb:
@@ -66,7 +66,9 @@ class Units:
 
     def modes(self, found: Modes) -> Modes:
         """Return modes, found in these units, in SI."""
-        shift, turn = self.length / np.sqrt(self.mass), 1 / np.sqrt(self.mass)
+        # A mode of unit modal mass: sum m u^2 + J turn^2 = 1.
+        shift = 1 / np.sqrt(self.mass)
+        turn = shift / self.length
         error = found.uncertainty
         return replace(
             found,
@@ -84,16 +86,18 @@ def in_robot_units(
     mechanism: Mechanism,
     pose: Pose,
     count: int,
+    slow: float = 1.0,
 ) -> Modes:
     """Return what `solve(mechanism, pose, count)` finds, asked and answering in the robot's units.
 
+    `slow` makes the time unit longer, and so the frequencies that `solve` finds greater.
     Raises `InputError` for many poses or a pose out of reach, `ModelError` where a joint of model
     `name` is open, and whatever `solve` raises.
     """
     if pose.shape:
         raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
     lengths = place(mechanism, pose).lengths
-    units = Units.of(mechanism, lengths)
+    units = Units.of(mechanism, lengths, slow)
     found = units.modes(solve(units.mechanism(mechanism), units.pose(pose), count))
     if found.residual is not None and not found.residual <= CLOSED * lengths.max():
         raise ModelError(

@@ -84,7 +84,7 @@ class ExudynFfrf:
         items, material = exu.itemInterface, axis.rod.material
         # Rounded, so that lengths equal but for rounding share a reduction; the gap shows by how
         # much.
-        length = float(f"{axis.length:.12g}")
+        length = float(f"{axis.length:.13g}")
         reduced = _reduced(axis.rod, length, self.elements, self.modes_kept)
         rod = nodal_rod(material.poisson, self.elements)
         along, about, across = axis.frame.T

@@ -9,8 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS
-from reference_models.placement import largest_gap
 from reference_models.mujoco.rig import Limb
+from reference_models.placement import largest_gap
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.exudyn.system import Axis
 from reference_models import placement
+from reference_models.exudyn.system import Axis
 from reference_models.protocol import ModelError, UnavailableError
 from reference_models.solid.calculix_deck import Deck, write
 from reference_models.solid.calculix_run import MISSING, NAME, Answer, program, run, version
@@ -29,6 +29,9 @@ GRADING = 2.5
 """Stress at the rim of a clamped face grows as r^-0.29 (90 degree corner, Poisson's ratio 0.3): on
 equal elements frequencies would converge as h^1.4. With distances to the rim as the power 2.5 of
 the element's number, the rim's share falls as h^3.6, and h^4, the element's own order, is seen."""
+FAR = 2.0**20
+"""Over the time that a wave takes along a limb: ccx finds the modes nearest to omega^2 = 1,
+whatever the unit of time. In this one even thin rods have all of theirs far above."""
 PRINTED = 1e-5
 """Displacements are printed to seven digits: what is joined must agree to this, relative."""
 
@@ -86,7 +89,7 @@ class CalculixSolid:
         Raises `InputError` for a pose out of reach or more modes than coordinates, and as
         `calculix_run.run`; `ModelError` also where a joint is open.
         """
-        return in_robot_units(NAME, self._solve, mechanism, pose, count)
+        return in_robot_units(NAME, self._solve, mechanism, pose, count, FAR)
 
     def _solve(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
         begin = time.perf_counter()

@@ -35,6 +35,8 @@ RIM_ORDER = 1.4
 """Twice the exponent with which displacements leave a clamped rim (90 degrees, nu = 0.3)."""
 CONVERGED = 1e-12
 """Relative change of the eigenvalues at which the Krylov space is large enough."""
+FREE = 1e-12
+"""Stiffness of the platform on its limbs, relative to the largest, that is none."""
 FINEST = 16
 """Largest `elements` times `order`."""
 LONGEST = 60
@@ -118,6 +120,9 @@ class NgsolveSolid:
         M[:3, :3] = mechanism.platform.mass * np.eye(3)
         M[3:, 3:] = R @ np.array(mechanism.platform.inertia) @ R.T
         system = System(M, [part for limb in limbs for part in limb.parts])
+        held = np.linalg.eigvalsh(system.K)
+        if held[0] <= FREE * held[-1]:
+            raise ModelError(f"{NAME}: the platform moves freely, and only vibrations are found")
         check_count(count, system.size)
         built = time.perf_counter()
         eigenvalues, X = lowest(system.flexible, system.inertia, system.size, count)

@@ -247,10 +247,10 @@ def test_open_joints_are_refused(
     place = exudyn_system.add_platform
 
     def beside(exu: Any, mbs: Any, platform: Platform, o: Any, R: Any) -> tuple[int, int]:
-        return place(exu, mbs, platform, o + np.array([0, shift, 0]), R)
+        return place(exu, mbs, platform, o + np.array([0, shift, 0]), R)  # in units of 0.5 m
 
     monkeypatch.setattr(exudyn_system, "add_platform", beside)
-    with pytest.raises(ModelError, match=f"open by {shift:.1e} m"):
+    with pytest.raises(ModelError, match=f"joints are open by {shift / 2:.1e} m"):
         model.modes(robot, case2)
 
 

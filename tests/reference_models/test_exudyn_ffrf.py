@@ -142,7 +142,7 @@ def test_open_joints_are_refused(
     place = exudyn_system.add_platform
 
     def beside(exu: Any, mbs: Any, platform: Platform, o: Any, R: Any) -> tuple[int, int]:
-        return place(exu, mbs, platform, o + np.array([0, 1e-3, 0]), R)
+        return place(exu, mbs, platform, o + np.array([0, 2e-3, 0]), R)  # in units of 0.5 m
 
     monkeypatch.setattr(exudyn_system, "add_platform", beside)
     with pytest.raises(ModelError, match=r"exudyn-ffrf: joints are open by 1\.0e-03 m"):

@@ -202,7 +202,7 @@ def displaced(monkeypatch: pytest.MonkeyPatch, distance: float) -> None:
 def test_open_joints_are_refused(
     robot: Mechanism, case2: Pose, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    displaced(monkeypatch, 1e-3)
+    displaced(monkeypatch, 2e-3)  # in units of 0.5 m
     with pytest.raises(ModelError, match=r"open by 1\.0e-03 m"):
         MujocoCable(4).modes(robot, case2)
 

@@ -155,7 +155,7 @@ def test_open_joints_are_refused(
 
     def shifted(text: str) -> Any:
         model = compiled(text)
-        model.qpos0[0] += 1e-3
+        model.qpos0[0] += 2e-3  # in units of 0.5 m
         return model
 
     monkeypatch.setattr(linearise, "compiled", shifted)
