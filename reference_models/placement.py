@@ -76,13 +76,6 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
     return Placement(centre, rotation, arms, tips, along, about, lengths)
 
 
-def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: Array, expected: str) -> None:
-    if bad.any():
-        *where, limb = np.argwhere(bad)[0].tolist()
-        said = expected.format(limb + 1, float(amount[(*where, limb)]))
-        raise InputError("pose", pose[tuple(where)] if where else pose, said)
-
-
 def largest_gap(mechanism: Mechanism, tips: Array) -> float:
     """Return how far any of `tips` A_i (n, 3) is beside its joint, |e_i . (A_i - B_i)| [m].
 
