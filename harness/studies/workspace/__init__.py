@@ -1,0 +1,215 @@
+"""The regular workspace and the frequencies in it: Fig. 6, and the paper's statements on it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import InputError, Limits
+from analytic.model import Model
+from analytic.workspace import heights
+from harness.bench import Bench, label
+from harness.causes import exact_chain
+from harness.plan import Plan
+from harness.request import Option, Request
+from harness.result import Result
+from harness.studies.workspace.checks import (
+    height_table,
+    region_table,
+    symmetry_table,
+    verdicts,
+)
+from harness.studies.workspace.map import Grid, Region, WorkspaceMap, workspace_map
+from harness.tables import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+BATCHED, ONE_BY_ONE = (72, 15), (12, 4)
+"""Azimuths and tilts of models that take all poses at once, and of those that take one."""
+LAYERS, MOST_LAYERS = 6, 50
+MOST_POSES = 200_000
+ANGLE = "degrees above 0 and at most 180"
+
+
+def _number(argument: str, text: str, expected: str, least: float = -np.inf) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(argument, text, expected) from None
+    if not np.isfinite(value) or value < least:
+        raise InputError(argument, text, expected)
+    return value
+
+
+def _length(argument: str) -> Any:
+    return lambda text: _number(argument, text, "millimetres from 0", 0.0) / 1000
+
+
+def _angle(argument: str) -> Any:
+    def parse(text: str) -> float:
+        value = _number(argument, text, ANGLE, 0.0)
+        if not 0 < value <= 180:
+            raise InputError(argument, text, ANGLE)
+        return float(np.radians(value))
+
+    return parse
+
+
+def _grid(text: str) -> tuple[int, int]:
+    azimuths, _, tilts = text.partition("x")
+    good = all(part.isascii() and part.isdecimal() and len(part) < 9 for part in (azimuths, tilts))
+    if not good or int(azimuths) < 12 or int(tilts) < 2:
+        expected = (
+            "AxT: azimuths, a multiple of the number of limbs from 12 on, and 2 tilts or more"
+        )
+        raise InputError("grid", text, expected)
+    if int(azimuths) * int(tilts) > MOST_POSES:
+        raise InputError("grid", text, f"at most {MOST_POSES} poses a layer")
+    return int(azimuths), int(tilts)
+
+
+def _layers(text: str) -> NDArray[np.float64]:
+    expected = f"up to {MOST_LAYERS} heights z in millimetres, by commas"
+    values = sorted({_number("layers", part, expected) for part in text.split(",")})
+    if len(values) > MOST_LAYERS:
+        raise InputError("layers", text, expected)
+    return np.array(values) / 1000
+
+
+TAKES = ("cases", "case_file", "modes", "model", "shear")
+DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
+OPTIONS = (
+    Option("layers", "Z,Z", "Heights z [mm]; default six over the cone.", None, _layers),
+    Option("grid", "AxT", "Azimuths x tilts; default 72x15, or 12x4 for a simulator.", None, _grid),
+    Option("length_min_mm", "L", "Shortest limb; default 200.", "200", _length("length_min_mm")),
+    Option("length_max_mm", "L", "Longest limb; default 1000.", "1000", _length("length_max_mm")),
+    Option("spherical_max_deg", "ANGLE",
+           "Largest angle of a limb from the platform's normal; default 45 (none is printed).",
+           "45", _angle("spherical_max_deg")),
+    Option("revolute_max_deg", "ANGLE",
+           "Largest angle of a limb from the vertical; default 45 (none is printed).",
+           "45", _angle("revolute_max_deg")),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Workspace(Result):
+    """A map of one model over the regular workspace.
+
+    Attributes: `map`, layer by layer, as drawn; `fine`: at every height of the profile where poses
+    are cheap, on which the statements are checked; `shown` mode numbers.
+    """
+
+    map: WorkspaceMap
+    fine: WorkspaceMap
+    shown: tuple[int, ...]
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return one row a pose and mode: z, azimuth, tilt, whether it is at the rim, frequency."""
+        import pandas as pd
+
+        data, grid = self.map, self.map.grid
+        where = np.argwhere(np.isfinite(data.frequencies[..., 0]))
+        i, k, j = (where[:, axis] for axis in range(3))
+        return pd.concat([
+            pd.DataFrame({
+                "model": label(data.model), "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
+                "tilt_rad": grid.tilt[i, j], "rim": j == grid.rim[i], "mode": mode,
+                "frequency_hz": data.frequencies[i, k, j, mode - 1],
+            })
+            for mode in self.shown
+        ], ignore_index=True)  # fmt: skip
+
+    def tables(self) -> dict[str, Table]:
+        """Return the layers, the azimuthal symmetry and the change with height."""
+        return {
+            "-layers": region_table(self.map.region, self.map, self.shown),
+            "-symmetry": symmetry_table(self.fine, self.shown),
+            "-height": height_table(self.fine, self.shown),
+        }
+
+    def figures(self) -> dict[str, "Figure"]:
+        """Return the region, contours, surfaces and ripple; none where nothing was solved."""
+        if not np.isfinite(self.map.frequencies).any():
+            return {}
+        from harness.studies.workspace import figures
+
+        return {
+            "-contours": figures.contour_figure(self.map, self.shown),
+            "-surfaces": figures.surface_figure(self.map, self.shown),
+            "-region": figures.region_figure(self.map.region, self.map.grid),
+            "-ripple": figures.ripple_figure(self.map, self.shown),
+        }
+
+    def sentences(self) -> list[str]:
+        """Return the region and the paper's two statements in plain sentences."""
+        name = label(self.map.model)
+        return [f"{line} ({name})" for line in verdicts(self.map.region, self.fine, self.shown)]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return the rows that the history keeps: one a pose and mode of the map."""
+        return self.map.rows()
+
+    def failures(self) -> dict[str, str]:
+        """Return the poses without an answer, and why."""
+        return self.map.answers.failures
+
+
+def workspace(
+    region: Region,
+    model: Model,
+    shown: tuple[int, ...],
+    bench: Bench,
+    layers: NDArray[np.float64] | None = None,
+    size: tuple[int, int] | None = None,
+) -> Workspace:
+    """Return the map of `model` over a region: `layers` of heights [m], `size` azimuths x tilts."""
+    isolated = model.info().isolated
+    azimuths, tilts = size or (ONE_BY_ONE if isolated else BATCHED)
+    limbs = len(region.mechanism.limbs)
+    if azimuths % limbs:
+        expected = f"AxT with azimuths a multiple of the {limbs} limbs"
+        raise InputError("grid", f"{azimuths}x{tilts}", expected)
+    z = region.layers(LAYERS) if layers is None else layers
+    drawn = workspace_map(region, Grid.of(region, z, azimuths, tilts), model, max(shown), bench)
+    if isolated:
+        return Workspace(drawn, drawn, shown)
+    # A batch is cheap enough to check the statements at every height, not only those drawn.
+    every = Grid.of(region, region.circles.z, azimuths, tilts)
+    return Workspace(drawn, workspace_map(region, every, model, max(shown), bench), shown)
+
+
+def run(request: Request, bench: Bench) -> Workspace:
+    """Return the frequencies of the model over the regular workspace of the first case's mechanism.
+
+    The paper's own model is euler-bernoulli@3. Modes are numbered by order.
+    """
+    names = {case.mechanism for case in request.cases}
+    if len(names) != 1:
+        said = ", ".join(case.name for case in request.cases)
+        raise InputError("cases", said, "one case, whose mechanism is mapped")
+    options, mechanism = request.options, request.cases[0].mechanism
+    low, high = options["length_min_mm"], options["length_max_mm"]
+    if high <= low:
+        expected = f"more than length_min_mm = {1000 * low:g}"
+        raise InputError("length_max_mm", 1000 * high, expected)
+    limits = Limits(low, high, options["spherical_max_deg"], options["revolute_max_deg"])
+    layers = options["layers"]
+    if layers is not None:
+        bottom, top = heights(mechanism, limits)
+        if not ((layers >= bottom) & (layers <= top)).all():
+            said = ",".join(f"{1000 * z:g}" for z in layers)
+            raise InputError(
+                "layers", said, f"heights from {1000 * bottom:.1f} to {1000 * top:.1f} mm"
+            )
+    region = Region.of(mechanism, limits)
+    return workspace(region, request.theory, request.shown, bench, layers, options["grid"])
+
+
+def jobs(plan: Plan) -> dict[str, Request]:
+    """Return what the main job asks: the exact model of the richest theory, the first mechanism."""
+    richest = (*exact_chain(plan.theory)[-1:], plan.theory)[0]
+    return {"workspace": plan.request(cases=plan.cases[:1], theory=richest, shown=(1, 2, 3))}

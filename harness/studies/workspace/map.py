@@ -1,0 +1,215 @@
+"""Frequencies over the regular workspace, layer by layer: the data of Fig. 6."""
+
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import Limits, Mechanism, Modes, Pose, RegularWorkspace
+from analytic.model import Model
+from analytic.workspace import CONSTRAINTS, heights, inscribed, margins
+from harness.bench import Bench, label
+from harness.cases import Case
+from harness.rows import MAP, mode_rows, settings
+from harness.workers import Failure
+
+Floats = NDArray[np.float64]
+
+PROFILE = 41
+"""Heights at which the inscribed circles are found, from the lowest to the highest."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """The regular workspace of a mechanism within limits.
+
+    Attributes: `mechanism`; `limits`; `circles`, the largest inscribed circle at `PROFILE`
+    heights; `cone`, the largest truncated cone in them.
+    """
+
+    mechanism: Mechanism
+    limits: Limits
+    circles: RegularWorkspace
+    cone: RegularWorkspace
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, limits: Limits) -> "Region":
+        """Return it; raises `InputError` where a level platform is nowhere within `limits`."""
+        z = np.linspace(*heights(mechanism, limits), PROFILE)
+        circles = RegularWorkspace(z, inscribed(mechanism, z, limits, azimuths=36)[0])
+        return cls(mechanism, limits, circles, circles.cone())
+
+    def layers(self, number: int) -> Floats:
+        """Return `number` heights over the cone, evenly, to whole millimetres inside it [m]."""
+        low, high = 1000 * self.cone.z
+        return np.round(np.linspace(np.ceil(low), np.floor(high), number)) / 1000
+
+    def bound(self, z: float, azimuth: float, tilt: float) -> str:
+        """Return the limit, or limits, met at a pose on the boundary."""
+        inside = margins(self.mechanism, Pose(z, azimuth, tilt), self.limits)
+        met = np.unique(np.nonzero(np.abs(inside) < 1e-8)[1])
+        return " and ".join(CONSTRAINTS[kind] for kind in met) or "closure of the joints"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The poses of a map, layer by layer inside the largest circles.
+
+    Attributes:
+        z: heights of the layers, shape (n,) [m].
+        radii, touch: the circle's tilt, and the azimuth where it meets a limit, shape (n,) [rad].
+        azimuth: shape (A,), from the first limb's azimuth, evenly round [rad].
+        tilt: shape (n, T) [rad], from 0 to the rim of each layer; NaN after it.
+        shared: whether a tilt is one that the layers have in common, shape (n, T): not a rim.
+    """
+
+    z: Floats
+    radii: Floats
+    touch: Floats
+    azimuth: Floats
+    tilt: Floats
+    shared: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, region: Region, z: Floats, azimuths: int, tilts: int) -> "Grid":
+        """Return `tilts` from 0 to the widest rim that the layers share, and each layer's rim."""
+        x, y, _ = region.mechanism.limbs[0].base
+        azimuth = np.arctan2(y, x) + 2 * np.pi * np.arange(azimuths) / azimuths
+        radii, touch = inscribed(region.mechanism, z, region.limits, azimuths=36)
+        common = np.linspace(0, radii.max(), tilts)
+        # A common tilt next to the rim would make a sliver of a ring.
+        inner = common < radii[:, None] - 1e-3 * common[1]
+        inner[:, 0] = True
+        tilt = np.where(inner, common, np.nan)
+        for row, radius, last in zip(tilt, radii, inner.sum(axis=1), strict=True):
+            if radius > 0:
+                row[last] = radius
+        return cls(z, radii, touch, azimuth, tilt, inner)
+
+    @property
+    def rim(self) -> NDArray[np.intp]:
+        """The index of each layer's last tilt, shape (n,)."""
+        return np.asarray(np.isfinite(self.tilt).sum(axis=1) - 1)
+
+    @property
+    def wanted(self) -> NDArray[np.bool_]:
+        """Which (n, A, T) to solve: a level platform once, for it has no azimuth."""
+        shape = (len(self.z), len(self.azimuth), self.tilt.shape[1])
+        wanted = np.broadcast_to(np.isfinite(self.tilt)[:, None, :], shape).copy()
+        wanted[:, 1:, 0] = False
+        return wanted
+
+    def pose(self, layer: Any, azimuth: Any, tilt: Any) -> Pose:
+        """Return the pose, or poses, of these indices."""
+        return Pose(self.z[layer], self.azimuth[azimuth], self.tilt[layer, tilt])
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a model found at n poses.
+
+    Attributes: `frequencies` (n, count) [Hz], NaN where it failed; `modes`, one a pose where it
+    takes one at a time, None where it failed, and of the first pose alone where it takes all at
+    once; `seconds` a pose of the latter, else None; `failures` by "MODEL at POSE", in words.
+    """
+
+    frequencies: Floats
+    modes: tuple[Modes | None, ...]
+    seconds: float | None
+    failures: dict[str, str]
+
+
+@dataclass(frozen=True)
+class WorkspaceMap:
+    """Frequencies of one model over a grid in the regular workspace.
+
+    Attributes: `region`; `grid`; `model`; `frequencies` (n, A, T, count) [Hz], ascending, NaN where
+    there is no pose or the model failed: the i-th is the i-th lowest, so where modes cross they
+    change places; `answers` of the model at the poses of `grid.wanted`, in their order there;
+    `opposite`: frequencies (n, count) at (azimuth + 180 deg, -tilt) of one pose a layer.
+    """
+
+    region: Region
+    grid: Grid
+    model: Model
+    frequencies: Floats
+    answers: Answers
+    opposite: Floats
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one row a pose and mode for the history: a level platform once a layer."""
+        found, count = self.answers, self.frequencies.shape[-1]
+        poses = self.grid.pose(*np.nonzero(self.grid.wanted))
+        how, mechanism = settings(self.model, count), self.region.mechanism
+        name = label(self.model)
+        result: list[dict[str, Any]] = []
+        for i, pose in enumerate(poses):
+            modes = found.modes[i if found.seconds is None else 0]
+            if modes is None or not np.isfinite(found.frequencies[i]).all():
+                continue
+            if found.seconds is not None:
+                modes = replace(
+                    modes.first(count), frequencies=found.frequencies[i], uncertainty=None,
+                    build_seconds=0.0, solve_seconds=found.seconds,
+                )  # fmt: skip
+            result += mode_rows(Case(MAP, mechanism, pose, ""), name, how, modes, count)
+        return result
+
+
+def workspace_map(
+    region: Region, grid: Grid, model: Model, count: int, bench: Bench
+) -> WorkspaceMap:
+    """Return the `count` lowest frequencies of `model` over `grid`.
+
+    A model that may crash takes one pose after the other, in a process of its own; others take all
+    at once.
+    """
+    wanted = grid.wanted
+    where = np.nonzero(wanted)
+    frequencies = np.full((*wanted.shape, count), np.nan)
+    answers = solve(model, region.mechanism, grid.pose(*where), count, bench)
+    frequencies[where] = answers.frequencies
+    frequencies[:, 1:, 0] = frequencies[:, :1, 0]
+    layers = np.arange(len(grid.z))
+    turned = Pose(grid.z, grid.azimuth[1] + np.pi, -grid.tilt[layers, grid.rim])
+    again = solve(model, region.mechanism, turned, count, bench).frequencies
+    return WorkspaceMap(region, grid, model, frequencies, answers, again)
+
+
+def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Bench) -> Answers:
+    """Return what `model` finds at `poses` (an array of them)."""
+    first = bench.solve(model, mechanism, poses[0], count)
+    if not model.info().isolated:
+        if isinstance(first, Failure):
+            return _failed(model, poses, count, first.reason)
+        bench.listener.expect(1)
+        began = perf_counter()
+        found = np.asarray(model.frequencies(mechanism, poses, count))
+        seconds = (perf_counter() - began) / len(poses)
+        bench.listener.done(f"{label(model)} at {len(poses)} poses")
+        return Answers(found, (first,), seconds, {})
+    bench.listener.expect(len(poses))
+    answers: list[Modes | None] = []
+    frequencies, failures = np.full((len(poses), count), np.nan), {}
+    for i, pose in enumerate(poses):
+        modes = bench.solve(model, mechanism, pose, count)
+        answers.append(None if isinstance(modes, Failure) else modes)
+        if isinstance(modes, Failure):
+            failures[f"{label(model)} at {named(pose)}"] = modes.reason
+        else:
+            frequencies[i] = modes.frequencies
+        bench.listener.done(f"{label(model)} at {named(pose)}")
+    return Answers(frequencies, tuple(answers), None, failures)
+
+
+def _failed(model: Model, poses: Pose, count: int, why: str) -> Answers:
+    nothing = np.full((len(poses), count), np.nan)
+    return Answers(nothing, (None,), 0.0, {f"{label(model)} at {len(poses)} poses": why})
+
+
+def named(pose: Pose) -> str:
+    """Return a pose in words."""
+    azimuth, tilt = np.degrees([pose.azimuth, pose.tilt])
+    return f"z = {1000 * pose.z:.1f} mm, azimuth {azimuth:.2f} deg, tilt {tilt:.2f} deg"
