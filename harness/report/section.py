@@ -58,7 +58,7 @@ def shown(table: Table, record: Recorder) -> Json:
             return str(value)
         words = ", ".join(str(cell) for cell in row[:k] if isinstance(cell, (str, int)) and cell)
         what = f"{table.columns[k]}: {words}"
-        return number(str(value), repr(value.value), what, record(row, k))
+        return number(str(value), repr(float(value.value)), what, record(row, k))
 
     rows = [[one(row, k) for k in range(len(row))] for row in table.rows]
     return {

@@ -64,7 +64,7 @@ def _printed(run: Material, table: TableOne, case: Case) -> list[Json]:
         source = {"File": "results/published/table1.csv", "Where": "Table I of the paper"}
         record = run.ledger.add(f"Printed: {method}, {case.published}", source)
         cells = [
-            number(f"{values[i - 1]:.2f}", f"{values[i - 1]} {unit}",
+            number(f"{values[i - 1]:.2f}", f"{values[i - 1]!r} {unit}",
                    f"f{i}: {method} as printed, {case.published}", record)
             if i <= len(values) else "" for i in table.shown
         ]  # fmt: skip
@@ -80,7 +80,7 @@ def _deviation(
     what = f"{label(theory)} against printed (%)"
     record = run.ledger.add(f"{what}, {case.name}", made, [run.record(case, theory)])
     cells = [
-        number(f"{off[i - 1]:+.{PERCENT}f}", f"{off[i - 1]!r} %", f"f{i}: {what}, {case.name}",
+        number(f"{off[i - 1]:+.{PERCENT}f}", f"{float(off[i - 1])!r} %", f"f{i}: {what}, {case.name}",
                record)
         if i <= len(off) and np.isfinite(off[i - 1]) else "-" for i in table.shown
     ]  # fmt: skip
@@ -107,7 +107,7 @@ def _reference(
         value = error[i - 1]
         star = " *" if pairing.reordered[i - 1] or pairing.doubtful[i - 1] else ""
         said = (
-            number(f"{value:+.{PERCENT}f} %{star}", f"{value!r} %", f"f{i}: {what}, {case.name}",
+            number(f"{value:+.{PERCENT}f} %{star}", f"{float(value)!r} %", f"f{i}: {what}, {case.name}",
                    error_record)
             if np.isfinite(value) else "-"
         )  # fmt: skip
