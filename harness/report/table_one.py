@@ -75,12 +75,12 @@ def _printed(run: Material, table: TableOne, case: Case) -> list[Json]:
 def _deviation(
     run: Material, table: TableOne, case: Case, theory: Model, ours: Any, printed: Any
 ) -> Json:
-    off = relative_error(ours[: len(printed)], printed[: len(ours)])
+    off = relative_error(ours[: len(printed)], printed[: len(ours)]).tolist()
     made = {"Made as": "100 (theoretical / printed theoretical - 1)", "Command": run.only("table")}
     what = f"{label(theory)} against printed (%)"
     record = run.ledger.add(f"{what}, {case.name}", made, [run.record(case, theory)])
     cells = [
-        number(f"{off[i - 1]:+.{PERCENT}f}", f"{float(off[i - 1])!r} %", f"f{i}: {what}, {case.name}",
+        number(f"{off[i - 1]:+.{PERCENT}f}", f"{off[i - 1]!r} %", f"f{i}: {what}, {case.name}",
                record)
         if i <= len(off) and np.isfinite(off[i - 1]) else "-" for i in table.shown
     ]  # fmt: skip
@@ -101,13 +101,13 @@ def _reference(
     what = f"error of {label(theory)} against {label(reference)}"
     error_record = run.ledger.add(f"{what}, {case.name}", made, [run.record(case, theory), own])
     fea = against.frequencies[pairing.partner]
-    error = relative_error(ours.frequencies, fea)
+    error = relative_error(ours.frequencies, fea).tolist()
     cells = []
     for i in table.shown:
         value = error[i - 1]
         star = " *" if pairing.reordered[i - 1] or pairing.doubtful[i - 1] else ""
         said = (
-            number(f"{value:+.{PERCENT}f} %{star}", f"{float(value)!r} %", f"f{i}: {what}, {case.name}",
+            number(f"{value:+.{PERCENT}f} %{star}", f"{value!r} %", f"f{i}: {what}, {case.name}",
                    error_record)
             if np.isfinite(value) else "-"
         )  # fmt: skip

@@ -325,3 +325,18 @@ def test_parts_without_results_make_a_page() -> None:
 
     files = page_files(plan, [Part(find("table"), {}, "nothing could run")], None)
     assert b"nothing could run" in files["index.html"]
+
+
+def test_the_command(made: Any, tmp_path: Path) -> None:
+    from click.testing import CliRunner
+
+    from harness.cli.dashboard import dashboard
+
+    file = tmp_path / "new" / "page.html"
+    given = ["--results", str(made.results), "--history", "none"]
+    answer = CliRunner().invoke(dashboard, ["--output", str(file), *given])
+    assert answer.output.startswith(f"wrote {file} (")
+    assert file.read_bytes().startswith(b"<!DOCTYPE html>")
+    refused = CliRunner().invoke(dashboard, ["--output", str(tmp_path), *given])
+    assert isinstance(refused.exception, InputError)
+    assert [path.name for path in tmp_path.iterdir()] == ["new"]
