@@ -91,7 +91,8 @@ if (shapes) {
     if (!playing) return;
     if (!busy && charts.get("shape-chart").listening) {
       busy = true;
-      pose(Math.cos(2 * Math.PI * time / 1600)).then(() => { busy = false; });
+      // A slow machine must find time for a click between two pictures.
+      pose(Math.cos(2 * Math.PI * time / 1600)).then(() => setTimeout(() => { busy = false; }, 15));
     }
     requestAnimationFrame(frame);
   };

@@ -92,7 +92,7 @@ def test_shapes_turn_and_move(tab: Any) -> None:
         page.wait_for_timeout(300)
         places.append(tab.traces("shape-chart")[7]["z"])
     assert places[0] != places[1] != places[2]
-    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Pause").dispatch_event("click")
     page.wait_for_timeout(500)
     assert tab.traces("shape-chart")[7]["z"] == tab.traces("shape-chart")[7]["z"]
 
