@@ -106,7 +106,8 @@ class Answer:
     def to_frame(self) -> "pd.DataFrame":
         """Return the rows as a pandas frame."""
         with self.history.asked(self) as (_, answer):
-            return answer.df()
+            frame: pd.DataFrame = answer.df()
+            return frame
 
     def write(self, path: Path) -> int:
         """Write the rows to `path`, by its ending .csv, .parquet or .json; return their number.

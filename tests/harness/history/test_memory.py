@@ -1,0 +1,62 @@
+"""Long runs and many runs: memory that grows with neither."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PEAK = """
+import resource
+def peak():
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+"""
+LONG = """
+import sys
+from pathlib import Path
+from harness.history.duck import connect
+from harness.history.store import append_table, open_history
+folder, rows = Path(sys.argv[1]), int(sys.argv[2])
+base = connect()
+base.execute(f"CREATE VIEW t AS SELECT i AS mode, sqrt(i) AS frequency_hz FROM range({rows}) t(i)")
+append_table(folder, base, "t", "sweep " + 300 * "x")
+past = open_history(folder)
+asked = "SELECT command, count(*) AS n, sum(frequency_hz) FROM rows GROUP BY ALL"
+assert past.query(asked).rows()[0]["n"] == rows
+assert past.query("SELECT * FROM rows").write(folder.parent / "rows.parquet") == rows
+peak()
+"""
+MANY = """
+import shutil, sys
+from pathlib import Path
+from harness.history.duck import connect
+from harness.history.run_file import checksum
+from harness.history.store import append_table, open_history
+folder, runs = Path(sys.argv[1]), int(sys.argv[2])
+with connect() as base:
+    base.execute(
+        "CREATE VIEW t AS SELECT i % 6 AS mode, sqrt(i) AS frequency_hz, 'a' AS model, "
+        "i / 7 AS z_m FROM range(15000) t(i)"
+    )
+    first = append_table(folder, base, "t", "check " + 300 * "x")
+for k in range(runs - 1):
+    shutil.copy(first, folder / first.name.replace(first.name[:15], f"20200101-{k:06}"))
+past = open_history(folder)
+assert not past.skipped
+asked = "SELECT mode, count(*) AS n, avg(frequency_hz) FROM rows GROUP BY ALL"
+assert sum(row["n"] for row in past.query(asked).rows()) == runs * 15000
+assert len(past.query("SELECT * FROM rows").rows(200)) == 200
+peak()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("script", "number"), [(LONG, 4_000_000), (MANY, 365)])
+def test_memory_is_flat(tmp_path: Path, script: str, number: int) -> None:
+    """In memory, the texts alone of these rows are more than 1.2 GB."""
+    ended = subprocess.run(
+        [sys.executable, "-c", PEAK + script, str(tmp_path / "past"), str(number)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert int(ended.stdout) < 500, "MiB"
