@@ -192,7 +192,7 @@ class History:
         """Return a connection that can read the files of the history, and no other."""
         import duckdb
 
-        base = connect()
+        base = connect(streams=target is not None)
         view = f"SELECT {', '.join(f'NULL::{v} AS {named(k)}' for k, v in COLUMNS.items())} LIMIT 0"
         if self._files:
             found = frozenset().union(*(file.columns for file in self._files))

@@ -176,7 +176,7 @@ def test_the_environment_names_the_history(
     rps_bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    asked = ["table", "--references", "rayleigh@1", "--cases", "case1", "--modes", "1"]
+    asked = ["table", "--references", "rayleigh@1", "--cases", "case1"]
     rps_bench(*asked)
     assert list(tmp_path.iterdir()) == []  # the tests' own default is none
     monkeypatch.setenv("RPS_BENCH_HISTORY", "named")
@@ -204,14 +204,13 @@ def test_a_history_that_cannot_be_written_costs_nothing_else(
     monkeypatch.setattr(os, "fsync", full)
     out, past = tmp_path / "out", tmp_path / "past"
     answer = rps_bench(
-        "table", "--references", "rayleigh@1", "--modes", "1",
+        "table", "--references", "rayleigh@1",
         "--output", str(out), "--history", str(past),
     )  # fmt: skip
     assert answer.status == 2
     assert answer.err == (
         f"rps-bench: --history = {str(past)!r}: cannot write there (No space left on device)\n"
     )
-    assert "Table I" in answer.out
     assert (out / "table.csv").exists()
     assert list(past.iterdir()) == []
     assert len(synced) > 1
