@@ -47,9 +47,9 @@ class Bar:
         self._total += number
         self._bar.update(self._task, total=self._total)
 
-    def done(self, what: str) -> None:
-        """Take in that a step is finished."""
-        self._bar.update(self._task, advance=1, description=what)
+    def done(self, what: str, steps: int = 1) -> None:
+        """Take in that a step is finished, or several."""
+        self._bar.update(self._task, advance=steps, description=what)
 
     def __enter__(self) -> Self:
         self._bar.start()

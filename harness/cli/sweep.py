@@ -1,0 +1,137 @@
+"""`rps-bench sweep`: loads nothing heavy before the first process is on its way."""
+
+import shlex
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from analytic import InputError
+from harness.cli import flags
+from harness.threads import cores as all_cores
+from harness.workers import Children
+
+SETS = (
+    "pose:Z,AZIMUTH,TILT, random:N[:SEED][:RANGES], grid:RANGES, workspace:N[:SEED], FILE.csv or "
+    "FILE.parquet; ranges as in z=350..700x8,azimuth=0..360x12,tilt=5. Millimetres and degrees."
+)
+FORMS = ("parquet", "csv", "json")
+
+
+@click.command()
+@flags.option("poses", "SET", SETS, required=True)
+@flags.option("models", "A,B", "Models: NAME, NAME@S, NAME@exact.", required=True)
+@flags.option("against", "MODEL", "Error maps of all models against this one.")
+@flags.option("modes", "I,I", "Mode numbers; default 1-6.", default="1-6")
+@flags.standard("shear")
+@flags.option("case", "CASE", "The mechanism of this case.", default="case1")
+@flags.standard("case_file")
+@flags.output()
+@click.option("--format", "form", default="parquet", help="parquet (default), csv or json.")
+@click.option(
+    "--cores", metavar="N", type=click.IntRange(1, 4096), help="Jobs at a time; default one a core."
+)
+@flags.option("scheduler", "ADDRESS", "Dask scheduler to use, tcp://HOST:PORT.")
+@click.option(
+    "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=60.0,
+    help="Seconds that a simulator may take for one pose; default 60.",
+)  # fmt: skip
+@click.option(
+    "--tries", metavar="N", type=click.IntRange(1, 1000), default=3,
+    help="For a job whose process dies; default 3.",
+)  # fmt: skip
+@click.option("--dry-run", is_flag=True, help="Only say how many jobs there are, and how long.")
+@flags.history()
+def sweep(scheduler: str | None, cores: int | None, **given: Any) -> int:
+    """Solve any poses by any models: a row a pose, model and mode.
+
+    Finished jobs are kept in --output: the same command again computes only what is missing.
+    """
+    at_once = cores or all_cores()
+    with closing(Children()) as children:
+        if scheduler is None and at_once > 1:
+            children.start(1)  # it loads while this process does
+        return _session(children, at_once, scheduler, **given)
+
+
+def _session(
+    children: Children,
+    cores: int,
+    scheduler: str | None,
+    *,
+    poses: str,
+    models: str,
+    against: str | None,
+    modes: str,
+    shear: str | None,
+    case: str,
+    case_file: str | None,
+    output: Path | None,
+    form: str,
+    time_limit: float,
+    tries: int,
+    dry_run: bool,
+    history: Path | None,
+) -> int:
+    from harness import text
+    from harness.case_file import load_cases
+    from harness.cases import select
+    from harness.cli.terminal import Bar, Written, show_tables
+    from harness.sweep.engine import Patience, engine
+    from harness.sweep.estimate import estimate
+    from harness.sweep.journal import NAME, Journal
+    from harness.sweep.pose_sets import pose_set
+    from harness.sweep.session import carry_out
+    from harness.sweep.sweep import Sweep
+    from reference_models import parse
+
+    kappa = text.shear_coefficient(shear)
+    chosen = text.models(models, "models", **kappa)
+    reference = None if against is None else parse(against, "against", **kappa)
+    if reference is not None and set(chosen) == {reference}:
+        raise InputError("against", against, "a model that is not the only one of --models")
+    shown = text.numbers("modes", modes, text.MOST_MODES)
+    if form not in FORMS:
+        raise InputError("format", form, ", ".join(FORMS))
+    extra = load_cases(Path(case_file)) if case_file is not None else {}
+    (at,) = select([case], extra)
+    everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
+    study = Sweep(at.mechanism, pose_set(poses, at.mechanism), everything, max(shown))
+    usual = {"modes": "1-6", "case": "case1"}
+    same = {"modes": modes, "shear": shear, "case": case, "case-file": case_file}
+    again = "".join(f" --{k} {shlex.quote(v)}" for k, v in same.items() if v and v != usual.get(k))
+    dry = dry_run and not (output and (output / NAME).exists())
+    processes = len(study.poses) * sum(model.info().isolated for model in everything)
+    with ExitStack() as stack:
+        patience = Patience(time_limit, tries)
+        here = stack.enter_context(engine(cores, scheduler, patience, processes, children))
+        for model in everything:
+            model.build()  # a program that is missing is said now
+        folder = stack.enter_context(_folder(None if dry else output))
+        journal = stack.enter_context(Journal(folder))
+        if dry_run:
+            show_tables(estimate(study, journal, here))
+            return 0
+        with Bar() as bar:
+            bar.expect(len(study.poses) * len(everything))
+            found = carry_out(
+                study, journal, here, folder / f"frequencies.{form}", shown, reference,
+                listener=lambda job: bar.done(job.model.label, len(job.poses)), again=again,
+                history=None if history is None else (history, flags.as_typed()),
+            )  # fmt: skip
+        show_tables(*(t for name, t in found.made.items() if t.rows or name != "failures"))
+        Written(found.files if output is not None else (), {}).say()
+    return 1 if found.lacking else 0
+
+
+@contextmanager
+def _folder(output: Path | None) -> Iterator[Path]:
+    """Yield the folder to work in: a passing one where nothing is to be kept."""
+    if output is not None:
+        yield output
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)

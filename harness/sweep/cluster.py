@@ -1,0 +1,91 @@
+"""The jobs of a sweep on a Dask cluster: one that is reached, has workers, and keeps both."""
+
+import logging
+from time import monotonic
+from typing import Any
+
+from analytic import InputError
+from harness.sweep.engine import Patience
+from harness.workers import Children, Task
+
+REACH = 10.0
+"""Seconds that a scheduler, or its last worker, may be out of reach."""
+
+_of_this_worker = Children()
+
+
+def _on_worker(task: Task, patience: Patience) -> object:
+    return _of_this_worker.attempt(task, patience.limit, patience.tries)
+
+
+class Cluster:
+    """A Dask cluster. Every thread of a worker has a process of its own for its jobs.
+
+    Raises `InputError` for an `address` without a scheduler, or one without workers.
+    """
+
+    def __init__(self, address: str, patience: Patience) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise self._refused(
+                address, "Dask: install rps-bench[cluster] here and on the workers"
+            ) from None
+        dask: Any = distributed  # untyped
+        # Its own log repeats, with a traceback, what becomes one sentence here.
+        for name in ("distributed", "distributed.client", "asyncio"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+        self._address, self._patience = address, patience
+        try:
+            # First, for a client that cannot read its address is never quite closed.
+            dask.comm.get_address_host_port(address)
+            # A port that takes a connection and says nothing is waited for as long as is said here.
+            dask.config.set({"distributed.comm.timeouts.connect": REACH})
+            self._client = dask.Client(address, timeout=REACH, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            why = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise self._refused(
+                address, f"the address of a running Dask scheduler, tcp://HOST:PORT ({why})"
+            ) from None
+        self.cores = self._threads()
+        if not self.cores:
+            self._client.close()
+            raise self._refused(address, "a Dask cluster with at least one worker")
+        self._gone: float | None = None
+
+    @staticmethod
+    def _refused(address: str, expected: str) -> InputError:
+        return InputError("scheduler", address, expected)
+
+    def _threads(self) -> int:
+        """Return how many threads all workers have; 0 where the scheduler does not answer."""
+        try:
+            told = self._client.sync(
+                self._client.scheduler.ncores, workers=None, callback_timeout=REACH
+            )
+            return sum(told.values())
+        except (OSError, RuntimeError, ValueError):
+            return 0
+
+    def submit(self, task: Task) -> Any:
+        """Return a future of the task's answer, or of a `Failure`."""
+        return self._client.submit(_on_worker, task, self._patience, pure=False)
+
+    def check(self) -> None:
+        """Raise `InputError` where the scheduler, or every worker, has been gone for `REACH`."""
+        status, now = self._client.status, monotonic()
+        if status == "running" and self._threads():
+            self._gone = None
+            return
+        self._gone = self._gone or now
+        if status == "closed" or now > self._gone + REACH:
+            lost = "every worker" if status == "running" else "its scheduler"
+            raise self._refused(
+                self._address,
+                f"a Dask cluster that lasts as long as the sweep ({lost} has gone; "
+                "finished jobs are kept: the same command again computes the others)",
+            )
+
+    def close(self) -> None:
+        """Let go of the cluster; what it still holds of this run is dropped."""
+        self._client.close()

@@ -1,0 +1,172 @@
+"""A job: one model at one block of poses; its content hash, and the work itself."""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from hashlib import sha256
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from analytic import Mechanism, Modes, Pose, __version__
+from analytic.condensed import CHUNK
+from analytic.model import Model
+from harness.answer import checked
+from reference_models import ModelError
+
+BATCH = 10 * CHUNK
+"""Poses a job of a model that can neither crash nor hang: a fraction of a second's work."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a job found at its n poses.
+
+    Attributes: `frequencies` (n, count) [Hz]; `uncertainty` of the same shape [Hz], or None;
+    `closure`: the largest gap of a joint [m], or None where none can open; `theory` and `version`
+    in words; `dofs` solved for; `seconds` the model's call took.
+    """
+
+    frequencies: NDArray[np.float64]
+    uncertainty: NDArray[np.float64] | None
+    closure: float | None
+    theory: str
+    version: str
+    dofs: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Job:
+    """The `count` lowest modes of one model at the `poses` (arrays) from number `start` on."""
+
+    model: Model
+    program: str
+    mechanism: Mechanism
+    count: int
+    start: int
+    poses: Pose
+
+    @cached_property
+    def key(self) -> bytes:
+        """A hash of all that the answer depends on: model, programs, mechanism, poses, modes."""
+        values = np.stack([self.poses.z, self.poses.azimuth, self.poses.tilt])
+        return sha256(_settings(self.model, self.program, self.mechanism, self.count)
+                      + values.astype("<f8").tobytes()).digest()[:16]  # fmt: skip
+
+    @property
+    def isolated(self) -> bool:
+        """Whether it must run in a process of its own."""
+        return self.model.info().isolated
+
+    def solve(self) -> Answer:
+        """Return the answer, or raise what the model raises, and `ModelError` for a bad answer.
+
+        Raises `ModelError` also where the programs here are not those that were planned.
+        """
+        here = program_of(self.model)
+        if here != self.program:
+            raise ModelError(f"{here} runs here, not {self.program} as planned")
+        info, count = self.model.info(), self.count
+        began = perf_counter()
+        if info.isolated:
+            pose = self.poses[0]
+            modes = self.model.modes(self.mechanism, pose, count)
+            seconds = perf_counter() - began
+            modes = checked(modes, info, self.mechanism, pose, count)
+            found, uncertainty = modes.frequencies[None], modes.uncertainty
+            uncertainty = None if uncertainty is None else np.asarray(uncertainty)[None]
+        else:
+            found = np.asarray(self.model.frequencies(self.mechanism, self.poses, count))
+            seconds, uncertainty = perf_counter() - began, None
+            modes = _at_one_pose(self.model, self.mechanism, self.poses[0], count)
+        answer = Answer(
+            found, uncertainty, modes.residual, modes.theory, modes.version, modes.dofs, seconds
+        )
+        if why := self.flaw(answer):
+            raise ModelError(why)
+        return answer
+
+    def flaw(self, answer: object) -> str:
+        """Return why no number of `answer` must be believed; "" if they may be."""
+        return _flaw(answer, len(self.poses), self.count)
+
+
+def _flaw(answer: object, poses: int, count: int) -> str:
+    if not isinstance(answer, Answer):
+        return f"it answered {type(answer).__name__}, where frequencies were expected"
+    f, uncertainty, closure = answer.frequencies, answer.uncertainty, answer.closure
+    if not isinstance(f, np.ndarray) or f.shape != (poses, count) or f.dtype.kind != "f":
+        form = f"shape {np.shape(f)} and type {getattr(f, 'dtype', type(f).__name__)}"
+        return f"its frequencies have {form}, not ({poses}, {count}) numbers"
+    if not np.isfinite(f).all():
+        return f"its frequencies hold {f[~np.isfinite(f)][0]}"
+    if (f < 0).any():
+        return f"it gave a frequency below zero, {f.min():.6g} Hz"
+    if (np.diff(f, axis=1) < 0).any():
+        return "its frequencies do not ascend"
+    if uncertainty is not None and (
+        np.shape(uncertainty) != f.shape
+        or not (np.isfinite(uncertainty) & (uncertainty >= 0)).all()
+    ):
+        return "its uncertainties are not one finite number of hertz a mode"
+    if closure is not None and not np.isfinite(closure):
+        return f"its joints are open by {closure} m"
+    return ""
+
+
+def jobs(
+    model: Model, mechanism: Mechanism, poses: Pose, count: int, first: int = 0
+) -> Iterator[Job]:
+    """Yield the jobs that cover all `poses`, numbered from `first` on, in order.
+
+    Split at fixed numbers: the last bits of a batch's answer depend on a pose's company.
+    """
+    size = 1 if model.info().isolated else BATCH
+    program = program_of(model)
+    for start in range(0, len(poses), size):
+        yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
+
+
+@lru_cache(maxsize=64)
+def program_of(model: Model) -> str:
+    """Return what computes a model here: its program's version, this bench's, and their sources."""
+    info = model.info()
+    bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
+    return f"{info.program} {info.version} ({bench}, source {_source(model)})"
+
+
+@lru_cache(maxsize=64)
+def _settings(model: Model, program: str, mechanism: Mechanism, count: int) -> bytes:
+    return repr((model, program, mechanism, count)).encode()
+
+
+def _at_one_pose(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+    """Return modes for their theory, version and size, which are the same at every pose."""
+    key = (model, mechanism, count)
+    if key not in _told:
+        _told[key] = model.modes(mechanism, pose, count)
+    return _told[key]
+
+
+_told: dict[tuple[Model, Mechanism, int], Modes] = {}
+
+
+def _source(model: Model) -> str:
+    """Return a hash of the files behind a model: its own package, or file, and `analytic`."""
+    built = model.build() if hasattr(model, "build") else model
+    parts = (built, *getattr(built, "__dict__", {}).values())  # an extrapolation holds two models
+    names = {"analytic", *(type(part).__module__.partition(".")[0] for part in parts)}
+    content = sha256()
+    for name in sorted(names):
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file is not None and Path(file).is_file():
+            package = Path(file).name == "__init__.py"
+            files = sorted(Path(file).parent.rglob("*.py")) if package else [Path(file)]
+            for path in files:
+                content.update(path.read_bytes())
+    return content.hexdigest()[:12]

@@ -1,0 +1,108 @@
+"""The rows of a sweep: one a pose, model and mode, made from the finished jobs."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.model import Model
+from harness.bench import label
+from harness.history.duck import quoted
+from harness.history.store import append_table
+from harness.rows import SWEEP, mechanism_hash, settings
+from harness.sweep.jobs import Answer, Job
+from harness.sweep.journal import Journal
+from harness.sweep.long_table import TABLE, LongTable
+from harness.sweep.sweep import Finished, Sweep, Timing, answers
+
+ROWS = {
+    "pose": "BIGINT",
+    "z_m": "DOUBLE",
+    "azimuth_rad": "DOUBLE",
+    "tilt_rad": "DOUBLE",
+    "mechanism": "VARCHAR",
+    "model": "VARCHAR",
+    "theory": "VARCHAR",
+    "version": "VARCHAR",
+    "mode": "BIGINT",
+    "frequency_hz": "DOUBLE",
+    "uncertainty_hz": "DOUBLE",
+    "closure_m": "DOUBLE",
+    "dofs": "BIGINT",
+}
+BY_MODE = ("frequency_hz", "uncertainty_hz")
+Floats = NDArray[np.float64]
+
+
+def rows_table(file: Path, modes: Sequence[int]) -> LongTable:
+    """Return the table of the rows of `file`, still empty."""
+    return LongTable(file, ROWS, BY_MODE, modes)
+
+
+def fill(
+    sweep: Sweep, journal: Journal, finished: Finished, modes: Sequence[int], table: LongTable
+) -> None:
+    """Add one row a pose, model and mode as blocks of poses are finished; then write the file."""
+    mechanism = mechanism_hash(sweep.mechanism)
+    for model in sweep.models:
+        for start, stop in sweep.blocks():
+            finished.wait(model, start)
+            found = list(answers(sweep, journal, model, start, stop))
+            if found:
+                same = {"mechanism": mechanism, "model": label(model)}
+                table.add(_block(found, np.array(modes) - 1) | same)
+    table.write()
+
+
+def keep(
+    sweep: Sweep, timings: Mapping[Model, Timing], table: LongTable, folder: Path, command: str
+) -> None:
+    """Append the rows to the history in `folder`; `solve_s` is a median."""
+    per = {label(model): model for model in sweep.models}
+    cases = {
+        "settings": {name: quoted(settings(model, sweep.count)) for name, model in per.items()},
+        "solve_s": {name: timings[model].usual or "NULL" for name, model in per.items()},
+    }
+    more = ", ".join(
+        "CASE model " + " ".join(f"WHEN {quoted(k)} THEN {v}" for k, v in by.items())
+        + f" END AS {column}"
+        for column, by in cases.items()
+    )  # fmt: skip
+    table.base.execute(
+        f'CREATE VIEW records AS SELECT {quoted(SWEEP)} AS "case", *, {more} FROM {TABLE}'
+    )
+    append_table(folder, table.base, "records", command)
+
+
+def _block(found: list[tuple[Job, Answer]], modes: NDArray[np.int64]) -> dict[str, Any]:
+    """Return some jobs' answers as columns, a row a pose."""
+    jobs, got = zip(*found, strict=True)
+    sizes = [len(job.poses) for job in jobs]
+
+    def each(values: list[Any]) -> Any:
+        """Return a value of every job for its poses: one for all where all are the same."""
+        if len(set(values)) == 1:
+            return values[0]
+        if any(isinstance(value, str) for value in values):
+            return np.repeat(np.array(values, dtype=object), sizes)
+        return np.repeat(np.array(values, dtype=float), sizes)  # None is not a number
+
+    uncertainty = [
+        np.full(a.frequencies.shape, np.nan) if a.uncertainty is None else a.uncertainty
+        for a in got
+    ]
+    numbers = [job.start + 1 + np.arange(len(job.poses)) for job in jobs]
+    return {
+        "pose": np.concatenate(numbers),
+        "z_m": np.concatenate([job.poses.z for job in jobs]),
+        "azimuth_rad": np.concatenate([job.poses.azimuth for job in jobs]),
+        "tilt_rad": np.concatenate([job.poses.tilt for job in jobs]),
+        "theory": each([a.theory for a in got]),
+        "version": each([a.version for a in got]),
+        "closure_m": each([a.closure for a in got]),
+        "dofs": each([a.dofs or None for a in got]),
+        "frequency_hz": np.concatenate([a.frequencies[:, modes] for a in got]),
+        "uncertainty_hz": np.concatenate([u[:, modes] for u in uncertainty]),
+    }

@@ -1,0 +1,137 @@
+"""A sweep from poses and models to files: solved, written meanwhile, compared, kept."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from analytic import Mechanism, Pose
+from analytic.model import Model
+from harness import threads
+from harness.bench import label
+from harness.history.duck import connect, quoted
+from harness.output import write_all
+from harness.result import Result
+from harness.sweep.engine import Engine, Patience, engine
+from harness.sweep.error_map import compare, error_table
+from harness.sweep.jobs import Job
+from harness.sweep.journal import Journal
+from harness.sweep.rows import fill, keep, rows_table
+from harness.sweep.sweep import (
+    Failures,
+    Finished,
+    Sweep,
+    complete,
+    failure_table,
+    timing_table,
+    timings,
+)
+from harness.sweep.worst_poses import worst_table
+from harness.tables import Table, table_files
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+ONE_CORE_EACH = Patience()
+
+
+@dataclass(frozen=True)
+class Swept(Result):
+    """What came of a sweep.
+
+    Attributes: `file` of the rows and the other `files`; `made`, the tables by name; `lacking`,
+    numbers of the poses without an answer by model and reason; `solved`, how many jobs were not
+    found in the folder.
+    """
+
+    file: Path
+    files: tuple[Path, ...]
+    made: Mapping[str, Table]
+    lacking: Failures
+    solved: int
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return the rows, one a pose, model and mode: SI, units in the names of the columns."""
+        with connect() as base:
+            frame: pd.DataFrame = base.execute(f"FROM {quoted(self.file)}").df()
+        return frame
+
+    def tables(self) -> Mapping[str, Table]:
+        """Return timing, errors, worst poses and failures."""
+        return self.made
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return none: they are too many, and `carry_out` streams them into the history."""
+        return []
+
+    def failures(self) -> dict[str, str]:
+        """Return what has no answer ("MODEL at N poses"), and why."""
+        return {f"{name} at {len(n)} poses": why for (name, why), n in self.lacking.items()}
+
+
+def solve(
+    mechanism: Mechanism,
+    poses: Pose,
+    models: Iterable[Model],
+    folder: Path,
+    count: int = 6,
+    *,
+    against: Model | None = None,
+    cores: int | None = None,
+    scheduler: str | None = None,
+    patience: Patience = ONE_CORE_EACH,
+) -> Swept:
+    """Solve `poses` (arrays) by `models` into `folder`; what is there already is not solved again.
+
+    `against`: one of the models, or one more, that the others are compared with. Jobs run on
+    `cores`, by default all, or on the Dask cluster of a `scheduler`. Raises `OutputError` where the
+    folder cannot be written.
+    """
+    everything = tuple(dict.fromkeys([*models, *([] if against is None else [against])]))
+    sweep = Sweep(mechanism, poses, everything, count)
+    with (
+        engine(cores or threads.cores(), scheduler, patience) as here,
+        Journal(folder) as journal,
+    ):
+        file = folder / "frequencies.parquet"
+        return carry_out(sweep, journal, here, file, range(1, count + 1), against)
+
+
+def carry_out(
+    sweep: Sweep,
+    journal: Journal,
+    here: Engine,
+    file: Path,
+    modes: Sequence[int],
+    against: Model | None = None,
+    *,
+    listener: Callable[[Job], None] = lambda _: None,
+    again: str = "",
+    history: tuple[Path, str] | None = None,
+) -> Swept:
+    """Run what is not in the journal and write one row a pose, model and mode into `file`.
+
+    Errors and tables go beside it; the ending .parquet, .csv or .json is that of all rows. The
+    `listener` hears of each finished job; `again`: options of a command that shows a worst pose;
+    `history`: where the rows are kept, unless nothing was computed, and as which command.
+    Raises `OutputError` where a file cannot be written.
+    """
+    finished = Finished(sweep)
+    with rows_table(file, modes) as table:
+        with ThreadPoolExecutor(1) as writer, finished:
+            rows = writer.submit(fill, sweep, journal, finished, modes, table)
+            failures, solved = complete(sweep, journal, here, (listener, finished.tell))
+        rows.result()
+        took = timings(sweep, journal)
+        made, files = {"timing": timing_table(took)}, [file]
+        if against is not None:
+            files.append(file.with_name(f"error-map{file.suffix}"))
+            gathered = compare(sweep, journal, against, modes, files[-1])
+            made["errors"] = error_table(gathered, against)
+            made["worst"] = worst_table(sweep, gathered, against, here, again)
+        made["failures"] = failure_table(failures)
+        files += write_all(file.parent, table_files(made))
+        if history is not None and solved:
+            keep(sweep, took, table, *history)
+    return Swept(file, tuple(files), made, failures, solved)

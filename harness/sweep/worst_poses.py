@@ -1,0 +1,106 @@
+"""The worst poses of an error map again, where modes are paired by shape."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import Mechanism, Modes, Pose
+from analytic.model import Model
+from analytic.pairing import pair
+from harness.bench import label
+from harness.compare import cell, relative_error
+from harness.sweep.engine import Engine, run
+from harness.answer import checked
+from harness.sweep.error_map import Errors
+from harness.sweep.mode_check import beams_of
+from harness.sweep.pose_sets import written
+from harness.sweep.sweep import Sweep
+from harness.tables import Cell, Number, Table
+from harness.workers import Failure
+
+Floats = NDArray[np.float64]
+STILL = 1e-6
+"""A centre line that moves less than this part of the most that any does is one of torsion."""
+
+
+@dataclass(frozen=True)
+class ShapeCheck:
+    """Two models at one pose again, shapes and all, to pair their modes by shape."""
+
+    mechanism: Mechanism
+    pose: Pose
+    model: Model
+    against: Model
+    count: int
+    torsion: bool
+
+    @property
+    def isolated(self) -> bool:
+        """Whether it must run in a process of its own."""
+        return self.model.info().isolated or self.against.info().isolated
+
+    def solve(self) -> tuple[Floats, Floats]:
+        """Return errors [%] by shape and the pairs' assurance, each (count,)."""
+        first = self._modes(self.model, self.count)
+        second = self._modes(self.against, self.count + 2)
+        pairs = pair(first, second, self.mechanism, self.pose)
+        reference = second.frequencies[pairs.partner]
+        return relative_error(first.frequencies, reference), pairs.assurance
+
+    def _modes(self, model: Model, count: int) -> Modes:
+        wanted = count
+        while True:
+            info = model.info()
+            modes = model.modes(self.mechanism, self.pose, wanted)
+            if info.isolated:
+                modes = checked(modes, info, self.mechanism, self.pose, wanted)
+            if self.torsion or not beams_of(model):
+                return modes
+            amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))
+            bends = np.flatnonzero(amplitude > STILL * amplitude.max())
+            if len(bends) >= count:
+                break
+            wanted += count - len(bends)
+        return replace(
+            modes,
+            frequencies=modes.frequencies[bends],
+            platform=modes.platform[bends],
+            limbs=modes.limbs[bends],
+        ).first(count)
+
+
+def worst_table(
+    sweep: Sweep, gathered: list[Errors], against: Model, engine: Engine, command: str
+) -> Table:
+    """The worst pose of each mode, its error paired by shape, and how to see it again."""
+    checks = [
+        ShapeCheck(
+            sweep.mechanism, sweep.poses[n - 1], errors.model, against, sweep.count, errors.torsion
+        )
+        for errors in gathered
+        for n in np.unique(errors.where[errors.where > 0]).tolist()
+    ]
+    by_shape = {(task.model, task.pose): result for task, result in run(engine, checks)}
+    rows: list[tuple[Cell, ...]] = []
+    for errors in gathered:
+        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
+            n = int(errors.where[k])
+            pose = sweep.poses[n - 1]
+            result = by_shape[errors.model, pose]
+            pairs: tuple[Cell, ...] = ("-", "-")
+            if not isinstance(result, Failure):
+                pairs = (cell(result[0][mode - 1], 6, signed=True), cell(result[1][mode - 1], 3))
+            at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
+            error = cell(float(errors.worst[k]), 6, signed=True)
+            where = (Number(float(value)) for value in at)
+            rows.append((label(errors.model), f"f{mode}", error, *pairs, n, *where))
+    labels = ",".join(label(errors.model) for errors in gathered)
+    notes = tuple(
+        f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
+        f"--against {label(against)}{command}"
+        for n in sorted({n for errors in gathered for n in errors.where.tolist() if n})
+    )
+    columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
+               "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
+    return Table(f"Worst poses against {label(against)}", columns, tuple(rows), notes)
