@@ -77,6 +77,7 @@ def _session(
     history: Path | None,
 ) -> int:
     from harness import text
+    from harness.bench import label
     from harness.case_file import load_cases
     from harness.cases import select
     from harness.cli.terminal import Bar, Written, show_tables
@@ -101,7 +102,7 @@ def _session(
     everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
     study = Sweep(at.mechanism, pose_set(poses, at.mechanism), everything, max(shown))
     usual = {"modes": "1-6", "case": "case1"}
-    same = {"modes": modes, "shear": shear, "case": case, "case-file": case_file}
+    same = {"modes": modes, "case": case, "case-file": case_file}
     again = "".join(f" --{k} {shlex.quote(v)}" for k, v in same.items() if v and v != usual.get(k))
     dry = dry_run and not (output and (output / NAME).exists())
     processes = len(study.poses) * sum(model.info().isolated for model in everything)
@@ -119,7 +120,7 @@ def _session(
             bar.expect(len(study.poses) * len(everything))
             found = carry_out(
                 study, journal, here, folder / f"frequencies.{form}", shown, reference,
-                listener=lambda job: bar.done(job.model.label, len(job.poses)), again=again,
+                listener=lambda job: bar.done(label(job.model), len(job.poses)), again=again,
                 history=None if history is None else (history, flags.as_typed()),
             )  # fmt: skip
         show_tables(*(t for name, t in found.made.items() if t.rows or name != "failures"))

@@ -54,9 +54,9 @@ class Job:
     @cached_property
     def key(self) -> bytes:
         """A hash of all that the answer depends on: model, programs, mechanism, poses, modes."""
+        said = f"{self.model!r} {self.program} {_said(self.mechanism)} {self.count}"
         values = np.stack([self.poses.z, self.poses.azimuth, self.poses.tilt])
-        return sha256(_settings(self.model, self.program, self.mechanism, self.count)
-                      + values.astype("<f8").tobytes()).digest()[:16]  # fmt: skip
+        return sha256(said.encode() + values.astype("<f8").tobytes()).digest()[:16]
 
     @property
     def isolated(self) -> bool:
@@ -132,17 +132,21 @@ def jobs(
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 
 
-@lru_cache(maxsize=64)
 def program_of(model: Model) -> str:
     """Return what computes a model here: its program's version, this bench's, and their sources."""
-    info = model.info()
-    bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
-    return f"{info.program} {info.version} ({bench}, source {_source(model)})"
+    if model not in _programs:
+        info = model.info()
+        bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
+        _programs[model] = f"{info.program} {info.version} ({bench}, source {_source(model)})"
+    return _programs[model]
 
 
-@lru_cache(maxsize=64)
-def _settings(model: Model, program: str, mechanism: Mechanism, count: int) -> bytes:
-    return repr((model, program, mechanism, count)).encode()
+_programs: dict[Model, str] = {}
+
+
+@lru_cache(maxsize=4)
+def _said(mechanism: Mechanism) -> str:
+    return repr(mechanism)
 
 
 def _at_one_pose(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes:

@@ -36,7 +36,7 @@ class ModeCheck:
 
 @dataclass(frozen=True)
 class Beams:
-    """Limbs whose modes can be counted: `elements` a limb, None for exact ones, and their theory."""
+    """Limbs whose modes can be counted: `elements` each, None for exact ones; their theory."""
 
     elements: int | None
     theory: Theory
@@ -55,7 +55,7 @@ class Beams:
 
 def beams_of(model: Model) -> Beams | None:
     """Return the beams of a model whose limbs are some, or None."""
-    built = model.build() if hasattr(model, "build") else model
+    built: Any = model.build() if hasattr(model, "build") else model
     theory = getattr(built, "theory", None)
     if isinstance(theory, Theory) and not model.info().isolated:
         return Beams(built.elements, theory)

@@ -61,7 +61,7 @@ def keep(
 ) -> None:
     """Append the rows to the history in `folder`; `solve_s` is a median."""
     per = {label(model): model for model in sweep.models}
-    cases = {
+    cases: dict[str, dict[str, Any]] = {
         "settings": {name: quoted(settings(model, sweep.count)) for name, model in per.items()},
         "solve_s": {name: timings[model].usual or "NULL" for name, model in per.items()},
     }

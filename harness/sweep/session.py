@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from harness import threads
-from harness.bench import label
 from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result

@@ -176,11 +176,11 @@ def timing_table(found: dict[Model, Timing]) -> Table:
 def failure_table(failures: Failures) -> Table:
     """Why models have no answer, and where."""
     rows: list[tuple[Cell, ...]] = []
-    for (label, reason), numbers in failures.items():
+    for (model, reason), numbers in failures.items():
         named = ", ".join(map(str, numbers[:FAILURES_SHOWN]))
         more = len(numbers) - FAILURES_SHOWN
         rows.append(
-            (label, len(numbers), f"{named} and {more} more" if more > 0 else named, reason)
+            (model, len(numbers), f"{named} and {more} more" if more > 0 else named, reason)
         )
     notes = ("run the same command again to try these, and only these, anew",)
     return Table("Failures", ("Model", "Poses", "Numbers", "Reason"), tuple(rows), notes)

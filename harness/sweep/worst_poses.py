@@ -1,5 +1,6 @@
 """The worst poses of an error map again, where modes are paired by shape."""
 
+import shlex
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,10 +9,10 @@ from numpy.typing import NDArray
 from analytic import Mechanism, Modes, Pose
 from analytic.model import Model
 from analytic.pairing import pair
+from harness.answer import checked
 from harness.bench import label
 from harness.compare import cell, relative_error
 from harness.sweep.engine import Engine, run
-from harness.answer import checked
 from harness.sweep.error_map import Errors
 from harness.sweep.mode_check import beams_of
 from harness.sweep.pose_sets import written
@@ -95,10 +96,10 @@ def worst_table(
             error = cell(float(errors.worst[k]), 6, signed=True)
             where = (Number(float(value)) for value in at)
             rows.append((label(errors.model), f"f{mode}", error, *pairs, n, *where))
-    labels = ",".join(label(errors.model) for errors in gathered)
+    labels = shlex.quote(",".join(label(errors.model) for errors in gathered))
     notes = tuple(
         f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
-        f"--against {label(against)}{command}"
+        f"--against {shlex.quote(label(against))}{command}"
         for n in sorted({n for errors in gathered for n in errors.where.tolist() if n})
     )
     columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
