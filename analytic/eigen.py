@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from analytic.lanczos import is_sparse, lowest_sparse
 
 Array = NDArray[np.float64]
-SPREAD = 1e4
-"""Omega^2 of the last mode over the first from which on strains are needed for the last digits."""
 
 
 def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array, Array]:
