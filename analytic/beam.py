@@ -6,10 +6,13 @@ Phi = 12 EI / (kappa G A h^2); Phi = 0 gives Hermite's cubics. Gauss's four poin
 product exactly, once and for all rods.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import Sections
+from analytic.modes import STATIONS
 
 Floats = NDArray[np.float64]
 
@@ -137,22 +140,28 @@ def strains(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
     return e.reshape(-1, nodes.shape[-1])
 
 
-def centre_lines(rods: Sections, lengths: Floats, nodes: Floats, stations: Floats) -> Floats:
-    """Return displacement at `stations` (k,), 0..1 of a limb, in limb axes, shape (n, k, 3, m).
+@lru_cache(maxsize=32)
+def _cells(s: int) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Return for `STATIONS` the nodes beside each (k, 2), where it is between, and `deflection`."""
+    cell = np.minimum((STATIONS * s).astype(int), s - 1)
+    xi = STATIONS * s - cell
+    return cell[:, None] + [0, 1], xi, deflection(xi)
+
+
+def centre_lines(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
+    """Return displacement at `STATIONS` in limb axes, shape (n, k, 3, m).
 
     By the elements' own interpolation, from `nodes` (n, s + 1, 6, m) and the elements' `lengths`
     (n,) [m].
     """
-    n, s = len(nodes), nodes.shape[1] - 1
-    cell = np.minimum((stations * s).astype(int), s - 1)
-    xi = stations * s - cell
+    n = len(nodes)
+    beside, xi, parts = _cells(nodes.shape[1] - 1)
     phi = (rods.flexibility / lengths**2)[:, None, None]
-    parts = deflection(xi)
     w = (parts[0] + phi * parts[1]) / (1 + phi)
     w[..., 1::2] *= lengths[:, None, None]
     weights = np.zeros((n, len(xi), 3, 12))
     for direction, (dofs, sign) in enumerate(_BENDING):
         weights[:, :, direction, dofs] = w * sign
     weights[:, :, 2, 2], weights[:, :, 2, 8] = 1 - xi, xi
-    ends = nodes[:, cell[:, None] + [0, 1]].reshape(n, len(xi), 12, -1)
+    ends = nodes[:, beside].reshape(n, len(xi), 12, -1)
     return np.asarray(weights @ ends)

@@ -10,7 +10,6 @@ from analytic import beam
 from analytic.dynamic_stiffness import Sections, sections
 from analytic.kinematics import Limbs
 from analytic.mechanism import Mechanism
-from analytic.modes import STATIONS
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -81,9 +80,7 @@ class Chains:
 
     def centre_lines(self, nodes: Floats) -> Floats:
         """Return global displacement at `STATIONS`, (m, n, 11, 3), of m motions of the nodes."""
-        local = beam.centre_lines(
-            self.rods, self.element_lengths, self._in_limb_axes(nodes), STATIONS
-        )
+        local = beam.centre_lines(self.rods, self.element_lengths, self._in_limb_axes(nodes))
         return np.asarray((self.frames[:, None] @ local).transpose(3, 0, 1, 2))
 
     def _in_limb_axes(self, nodes: Floats) -> Floats:
