@@ -1,7 +1,7 @@
 """The limbs as chains of elements at one pose: what every formulation with elements starts from."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,12 @@ from analytic import beam
 from analytic.dynamic_stiffness import Sections, sections
 from analytic.kinematics import Limbs
 from analytic.mechanism import Mechanism
-from analytic.modes import STATIONS
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
 
+SPREAD = 1e4
+"""Omega^2 over the lowest from which on strains are needed for the last digits."""
 RIGID = 1e-9
 """A motion of the platform that the limbs resist by less than this part of the most is free."""
 MOST_ELEMENTS = 1000
@@ -22,7 +23,11 @@ MOST_ELEMENTS = 1000
 WEAK = 1e-3
 """A motion resisted by less than this part is solved for as carefully as a free one."""
 
-_sections = lru_cache(maxsize=32)(sections)
+
+@lru_cache(maxsize=32)
+def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Floats]:
+    """Return what poses share: the limbs' sections and `turning` of their revolute axes."""
+    return sections(mechanism, theory), turning(mechanism.axes)
 
 
 @dataclass(frozen=True)
@@ -30,7 +35,8 @@ class Chains:
     """n limbs of `elements` s.
 
     Attributes: `rods`; limb `lengths` (n,) [m]; `frames` (n, 3, 3) from limb to global axes; `arms`
-    o to A_i (n, 3) [m]; `axes` of the revolute joints (n, 3); `platform_mass` M_p, Eq. (9).
+    o to A_i (n, 3) [m]; `turns` e / e_k of the revolute joints (n, 3), see `turning`;
+    `platform_mass` M_p, Eq. (9).
     """
 
     elements: int
@@ -38,13 +44,18 @@ class Chains:
     lengths: Floats
     frames: Floats
     arms: Floats
-    axes: Floats
+    turns: Floats
     platform_mass: Floats
+
+    @property
+    def R(self) -> Floats:
+        """R_i^T, from global to limb axes, shape (n, 3, 3)."""
+        return self.frames.swapaxes(1, 2)
 
     @property
     def T(self) -> Floats:
         """T_i^T, an element's global coordinates to those in limb axes, shape (n, 12, 12)."""
-        T, R = np.zeros((len(self.arms), 12, 12)), self.frames.swapaxes(1, 2)
+        T, R = np.zeros((len(self.arms), 12, 12)), self.R
         for node in range(0, 12, 3):
             T[:, node : node + 3, node : node + 3] = R
         return T
@@ -54,7 +65,7 @@ class Chains:
         """h = L_i / s, shape (n,) [m]."""
         return self.lengths / self.elements
 
-    @property
+    @cached_property
     def J(self) -> Floats:
         """J_i of Eq. (10), the platform's motion to that of A_i, shape (n, 3, 6)."""
         return rigid_arms(self.arms)
@@ -69,29 +80,34 @@ class Chains:
 
     def centre_lines(self, nodes: Floats) -> Floats:
         """Return global displacement at `STATIONS`, (m, n, 11, 3), of m motions of the nodes."""
-        local = beam.centre_lines(
-            self.rods, self.element_lengths, self._in_limb_axes(nodes), STATIONS
-        )
+        local = beam.centre_lines(self.rods, self.element_lengths, self._in_limb_axes(nodes))
         return np.asarray((self.frames[:, None] @ local).transpose(3, 0, 1, 2))
 
     def _in_limb_axes(self, nodes: Floats) -> Floats:
         halves = nodes.reshape(*nodes.shape[:2], 2, 3, -1)
-        return np.asarray(self.frames.swapaxes(1, 2)[:, None, None] @ halves).reshape(nodes.shape)
+        return np.asarray(self.R[:, None, None] @ halves).reshape(nodes.shape)
 
     def free_motions(self) -> tuple[int, float]:
         """Return how many motions of the platform no limb resists, and by what to shift K.
 
-        A limb resists its tip along and across, but not about its revolute joint. The shift, zero
-        where all motions are held well, is omega^2 of the softest limb between pins,
-        (pi / L)^4 EI / rho A: added as that much of M it makes K definite.
+        A limb resists its tip along and across, but not about its revolute joint. The shift is
+        zero where all motions are held well, or else `limb_scale`: added as that much of M it
+        makes K definite.
         """
-        held = self.frames[:, :, 1:].swapaxes(1, 2) @ self.J
+        held = self.R[:, 1:] @ self.J
         held[..., 3:] /= self.unit
         resisted = np.linalg.svd(held.reshape(-1, 6), compute_uv=False)
         free = 6 - int((resisted > RIGID * resisted[0]).sum())
         if free == 0 and resisted[5] > WEAK * resisted[0]:
             return 0, 0.0
         return free, self.limb_scale
+
+    def well_held(self, eigenvalues: Floats) -> bool:
+        """Return whether K alone has told all digits of these omega^2, of all from the lowest up.
+
+        Not those of a motion that is all but free, beside which rounding of the others is large.
+        """
+        return bool(max(eigenvalues[-1], self.limb_scale) < SPREAD * eigenvalues[0])
 
     @property
     def unit(self) -> float:
@@ -106,11 +122,11 @@ class Chains:
 
 def chains(mechanism: Mechanism, limbs: Limbs, elements: int, theory: Theory) -> Chains:
     """Return the chains of `mechanism` with its `limbs` at one pose."""
-    rods, axes = _sections(mechanism, theory), mechanism.axes
+    rods, turns = _fixed(mechanism, theory)
     M_p = np.zeros((6, 6))
     M_p[:3, :3] = mechanism.platform.mass * np.eye(3)
     M_p[3:, 3:] = limbs.rotation @ mechanism.platform.inertia @ limbs.rotation.T
-    return Chains(elements, rods, limbs.lengths, limbs.frames, limbs.arms, axes, M_p)
+    return Chains(elements, rods, limbs.lengths, limbs.frames, limbs.arms, turns, M_p)
 
 
 def rigid_arms(arms: Floats) -> Floats:
@@ -122,3 +138,13 @@ def rigid_arms(arms: Floats) -> Floats:
     J[..., 1, 3], J[..., 1, 5] = -z, x
     J[..., 2, 3], J[..., 2, 4] = y, -x
     return J
+
+
+def turning(axes: Floats) -> Floats:
+    """Return e / e_k of each revolute axis e (n, 3), pivoting on its largest component.
+
+    Eq. (17) fixes k = y, Eq. (18) k = x; either divides by zero for some base orientation.
+    Pivoting never does, and gives Eq. (17) where e is along y.
+    """
+    pivot = np.abs(axes).argmax(axis=1)
+    return np.asarray(axes / axes[np.arange(len(axes)), pivot][:, None])

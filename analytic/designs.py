@@ -117,7 +117,7 @@ def _geometry(designs: Designs, unit: Mechanism) -> tuple[Floats, Floats]:
         for radius in (designs.base_radius, designs.platform_radius)
     )
     R = rotation(designs.azimuth, designs.tilt)
-    held = closure(unit.axes, r1, r2, designs.z / d, R)
+    held = closure(unit, r1, r2, designs.z / d, R)
     limbs = limbs_of(unit.axes, held)
     if limbs.lengths.min(initial=1.0) <= CLOSURE or (np.abs(held.off_plane) > 1e-6).any():
         raise InputError("designs", "a limb", "limbs of some length, in their joints' planes")

@@ -18,8 +18,6 @@ from numpy.typing import NDArray
 from analytic.lanczos import is_sparse, lowest_sparse
 
 Array = NDArray[np.float64]
-SPREAD = 1e4
-"""Omega^2 of the last mode over the first from which on strains are needed for the last digits."""
 
 
 def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array, Array]:
@@ -30,26 +28,26 @@ def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array,
     """
     if is_sparse(K):
         return lowest_sparse(K, M, count, shift)
-    mu, x = _largest(K, M, count, shift, vectors=True)
+    size, held = len(K), K + shift * M if shift else K
+    # A symmetric matrix seen by columns is the same one: nothing is copied but what is overwritten.
+    mu, x, _, _, info = scipy.linalg.lapack.dsygvx(
+        M.T, held.T, range="I", il=size - count + 1, iu=size
+    )
+    mu, x = mu[:count], x[:, :count]
+    _check(info, mu)
     return 1 / mu[::-1] - shift, (x / np.sqrt(mu))[:, ::-1]
 
 
 def lowest_values(K: Array, M: Array, count: int) -> Array:
     """Return what `lowest_modes` returns of a dense pair, but for the vectors."""
-    return 1 / _largest(K, M, count, 0.0, vectors=False)[0][::-1]
+    mu, _, info = scipy.linalg.lapack.dsygvd(M.T, K.T, jobz="N")
+    _check(info, mu[-count:])
+    return np.asarray(1 / mu[: -count - 1 : -1])
 
 
-def _largest(K: Array, M: Array, count: int, shift: float, *, vectors: bool) -> tuple[Array, Array]:
-    """Return the largest mu of M x = mu (K + shift M) x, ascending, and x^T (K + shift M) x = 1."""
-    size = len(K)
-    held = K + shift * M if shift else K
-    # A symmetric matrix seen by columns is the same one: nothing is copied but what is overwritten.
-    mu, x, _, _, info = scipy.linalg.lapack.dsygvx(
-        M.T, held.T, jobz="V" if vectors else "N", range="I", il=size - count + 1, iu=size
-    )
-    if info:
+def _check(info: int, mu: Array) -> None:
+    if info or not mu[0] > 0:
         raise np.linalg.LinAlgError(f"K is not positive definite, or no convergence ({info})")
-    return mu[:count], x[:, :count]
 
 
 def refined(
@@ -64,8 +62,8 @@ def refined(
     u = u * size
     e = strains(u)
     mass, stiffness = u.T @ (M @ u), e.T @ e
-    mu, y = scipy.linalg.eigh(mass, stiffness + shift * mass)
-    y = y[:, ::-1] / np.sqrt(mu[::-1])
+    y = scipy.linalg.eigh(mass, stiffness + shift * mass)[1][:, ::-1]
+    y /= np.sqrt((y * (mass @ y)).sum(axis=0))
     # Each by its own strains: a sum of squares, small where the mode is slow.
     values = ((e @ y) ** 2).sum(axis=0)
     values[:free] = 0.0

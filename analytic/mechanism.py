@@ -231,6 +231,11 @@ class Mechanism:
         """The points A_i, moving frame, shape (n, 3) [m]."""
         return _constant(limb.platform_point for limb in self.limbs)
 
+    @cached_property
+    def across(self) -> NDArray[np.float64]:
+        """The pseudo-inverse of the axes' x and y, shape (2, n): solves Eq. (2) for o."""
+        return np.asarray(np.linalg.pinv(self.axes[:, :2], rcond=1e-9))
+
 
 def _constant(rows: Iterable[Vector]) -> NDArray[np.float64]:
     array = np.array(list(rows))

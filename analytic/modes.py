@@ -48,8 +48,8 @@ class Modes:
         flat = np.concatenate(
             [self.platform, self.limbs.reshape(len(self.frequencies), -1)], axis=1
         )
-        largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=1)[:, None], axis=1)
-        sign = np.where(largest < 0, -1.0, 1.0)
+        largest = flat[np.arange(len(flat)), np.abs(flat).argmax(axis=1)]
+        sign = np.where(largest < 0, -1.0, 1.0)[:, None]
         object.__setattr__(self, "platform", self.platform * sign)
         object.__setattr__(self, "limbs", self.limbs * sign[:, :, None, None])
 

@@ -4,6 +4,7 @@ from __future__ import annotations  # scipy loads its parts when they are first 
 
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,14 @@ from numpy.typing import NDArray
 from analytic import assembly
 from analytic.chains import Chains, chains
 from analytic.continuum import Continuum
-from analytic.eigen import SPREAD, hertz, lowest_modes, refined
+from analytic.eigen import hertz, lowest_modes
 from analytic.errors import InputError
 from analytic.lanczos import factor, is_sparse, lowest
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
-from analytic.substructure import DENSE, EXACT, few, limbs_at_one
+from analytic.substructure import DENSE, few, limbs_at_one, solved
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -108,18 +109,15 @@ class Multipliers:
         check_count(count, dofs)
         K, M = _pair(parts, sparse=dofs > DENSE)
         built = time.perf_counter()
-        n = len(parts.arms)
-        free, shift = parts.free_motions()
-        if self.base == "free":
-            free, shift = 6 + 3 * n, parts.limb_scale
-        if self.solver == "null-space":
-            values, u = _null_space(K, M, C, count, shift, parts.unit)
-        else:
+        # Limbs free of the base move as rigid bodies: the whole, and each about its A_i.
+        free = (6 + 3 * len(parts.arms), parts.limb_scale) if self.base == "free" else None
+        solver = _null_space if self.solver == "null-space" else _saddle_point
+        if self.solver == "saddle-point":
             dofs = sum(C.shape)
-            values, u = _saddle_point(K, M, C, count, parts.limb_scale, parts.unit)
-        if shift or self.elements > EXACT or values[-1] > SPREAD * values[0]:
-            values, u = refined(M, u, lambda u: parts.strains(_nodes(parts, u)), free, shift)
-        solved = time.perf_counter()
+        values, u = solved(
+            parts, partial(solver, K, M, C, count, parts), M, partial(_nodes, parts), free
+        )
+        end = time.perf_counter()
         return Modes(
             frequencies=hertz(values),
             platform=u[-6:].T,
@@ -131,7 +129,7 @@ class Multipliers:
             dofs=dofs,
             residual=None,
             build_seconds=built - begin,
-            solve_seconds=solved - built,
+            solve_seconds=end - built,
         )
 
     def _chains(self, mechanism: Mechanism, pose: Pose) -> Chains:
@@ -196,14 +194,14 @@ def _split(C: Floats, unit: float) -> tuple[NDArray[np.intp], NDArray[np.intp], 
 
 
 def _null_space(
-    K: Any, M: Any, C: Floats, count: int, shift: float, unit: float
+    K: Any, M: Any, C: Floats, count: int, parts: Chains, shift: float
 ) -> tuple[Floats, Floats]:
     """Return omega^2 and u, mass-normalised, from the pair that the null space of C leaves."""
     if is_sparse(K):
-        N = null_space(C, unit)
+        N = null_space(C, parts.unit)
         values, x = lowest_modes(N.T @ K @ N, N.T @ M @ N, count, shift)
         return values, N @ x
-    others, held, basis = _split(C, unit)
+    others, held, basis = _split(C, parts.unit)
     order, a = np.concatenate([others, held]), len(others)
     both = np.stack([K, M])[:, order[:, None], order]
     left = both[:, :, a:] @ basis
@@ -218,9 +216,10 @@ def _null_space(
 
 
 def _saddle_point(
-    K: Any, M: Any, C: Floats, count: int, shift: float, unit: float
+    K: Any, M: Any, C: Floats, count: int, parts: Chains, shift: float
 ) -> tuple[Floats, Floats]:
     """Return omega^2 and u, mass-normalised, by inverting [[K + shift M, C^T], [C, 0]]."""
+    shift = shift or parts.limb_scale
     size, held = K.shape[0], len(C)
     if not is_sparse(K):
         # Multipliers in the unit of K, or elimination would mistake one for zero.
@@ -242,5 +241,5 @@ def _saddle_point(
         return np.asarray(inverse.solve(padded)[:size])
 
     # Only the count is made on the null space: of free limbs, pivots vanish at the modes sought.
-    N = null_space(C, unit)
+    N = null_space(C, parts.unit)
     return lowest(K, M, count, solve, (N.T @ K @ N, N.T @ M @ N))

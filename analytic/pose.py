@@ -100,18 +100,19 @@ class Closure:
 
 
 def closure(
-    axes: NDArray[Any], bases: NDArray[Any], points: NDArray[Any], z: Any, R: NDArray[Any]
+    mechanism: Mechanism, bases: NDArray[Any], points: NDArray[Any], z: Any, R: NDArray[Any]
 ) -> Closure:
     """Return the platform at height `z` (...) turned by `R` (..., 3, 3), real or complex.
 
     Each revolute joint keeps its limb in the plane through B_i normal to its axis e_i, so x and y
-    solve e_i . (o + R A_i - B_i) = 0 for all i. `axes` (n, 3) are unit vectors; `bases` B_i and
-    `points` A_i have shape (..., n, 3). Nothing is refused: see `closed`.
+    solve e_i . (o + R A_i - B_i) = 0 for all i. The axes e_i are those of `mechanism`; `bases` B_i
+    and `points` A_i have shape (..., n, 3). Nothing is refused: see `closed`.
     """
+    axes = mechanism.axes
     arms = points @ R.swapaxes(-1, -2)
     height = np.asarray(z)[..., None]
     gap = ((arms - bases) * axes).sum(axis=-1) + axes[:, 2] * height
-    across = -gap @ np.linalg.pinv(axes[:, :2], rcond=1e-9).T
+    across = -gap @ mechanism.across.T
     o = np.concatenate([across, height], axis=-1)
     vectors = o[..., None, :] + arms - bases
     return Closure(R, o, arms, vectors, (vectors * axes).sum(axis=-1))
@@ -155,7 +156,7 @@ def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
 
 def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
     points = mechanism.platform_points
-    return closure(mechanism.axes, mechanism.bases, points, pose.z, pose.rotation)
+    return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation)
 
 
 def one_pose(mechanism: Any, pose: Any) -> Pose:

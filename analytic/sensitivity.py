@@ -172,7 +172,7 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
         mechanism.platform_points, step("platform_radius", np.zeros(len(rods)), limbs)
     )
     z, azimuth, tilt = (step(key, [getattr(pose, key)])[0] for key in POSE)
-    held = closure(mechanism.axes, bases, points, z, rotation(azimuth, tilt))
+    held = closure(mechanism, bases, points, z, rotation(azimuth, tilt))
     limbs = limbs_of(mechanism.axes, held)
     mass = np.zeros((6, 6), dtype=complex)
     mass[:3, :3] = step("mass", [mechanism.platform.mass])[0] * np.eye(3)

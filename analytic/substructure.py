@@ -3,7 +3,10 @@
 from __future__ import annotations  # scipy loads its parts when they are first used
 
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +14,8 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import assembly
-from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms
-from analytic.eigen import SPREAD, hertz, lowest_modes, lowest_values, refined
+from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms, turning
+from analytic.eigen import hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kinematics import Limbs, limbs_at
@@ -84,10 +87,11 @@ class Substructure:
         parts = self._chains(mechanism, poses)
         K, M = self._pair(parts)
         count = check_count(count, K.shape[0])
-        if self.elements <= EXACT and parts.free_motions()[1] == 0:
-            values = lowest_values(K, M, count) if isinstance(K, np.ndarray) else None
-            if values is not None and values[-1] < SPREAD * values[0]:
-                return hertz(values)
+        if self.elements <= EXACT and not is_sparse(K):
+            with suppress(np.linalg.LinAlgError):
+                values = lowest_values(K, M, count)
+                if parts.well_held(values):
+                    return hertz(values)
         return hertz(self._solved(parts, K, M, count)[0])
 
     def matrices(self, mechanism: Mechanism, pose: Pose) -> tuple[Any, Any]:
@@ -139,11 +143,30 @@ class Substructure:
         return assembly.joined(n, s, sparse=sparse).pair([*blocks, platform])
 
     def _solved(self, parts: Chains, K: Any, M: Any, count: int) -> tuple[Floats, Floats]:
-        free, shift = parts.free_motions()
-        values, U = lowest_modes(K, M, count, shift)
-        if shift or self.elements > EXACT or values[-1] > SPREAD * values[0]:
-            return refined(M, U, lambda u: parts.strains(nodes(parts, u)), free, shift)
-        return values, U
+        return solved(parts, partial(lowest_modes, K, M, count), M, partial(nodes, parts))
+
+
+def solved(
+    parts: Chains,
+    solve: Callable[[float], tuple[Floats, Floats]],
+    M: Any,
+    motion: Callable[[Floats], Floats],
+    free: tuple[int, float] | None = None,
+) -> tuple[Floats, Floats]:
+    """Return omega^2 and vectors of `solve(shift)`, refined where that is needed.
+
+    `motion` turns vectors into those of the limbs' nodes; `free` as of `Chains.free_motions`.
+    """
+    if free is None:
+        with suppress(np.linalg.LinAlgError):
+            values, U = solve(0.0)
+            if parts.well_held(values):
+                if parts.elements <= EXACT:
+                    return values, U
+                return refined(M, U, lambda u: parts.strains(motion(u)), 0, 0.0)
+        free = parts.free_motions()
+    values, U = solve(free[1])
+    return refined(M, U, lambda u: parts.strains(motion(u)), *free)
 
 
 def few(elements: int) -> int:
@@ -169,8 +192,8 @@ def independent_ends(parts: Chains) -> list[Floats]:
     and Phi = (e / e_k) phi_k, Eqs. (14) and (17)-(18); at A_i, Delta = J_i U_p, Eq. (10).
     """
     n, s = len(parts.arms), parts.elements
-    R = parts.frames.swapaxes(1, 2)
-    base, tip = R @ turning(parts.axes)[..., None], R @ parts.J
+    R = parts.R
+    base, tip = R @ parts.turns[..., None], R @ parts.J
     if s == 1:
         alone = np.zeros((n, 12, 10))
         alone[:, 3:6, :1], alone[:, 6:9, 4:], alone[:, 9:, 1:4] = base, tip, R
@@ -181,22 +204,12 @@ def independent_ends(parts: Chains) -> list[Floats]:
     return [first, parts.T, last] if s > 2 else [first, last]
 
 
-def turning(axes: Floats) -> Floats:
-    """Return e / e_k of each revolute axis e (n, 3), pivoting on its largest component.
-
-    Eq. (17) fixes k = y, Eq. (18) k = x; either divides by zero for some base orientation.
-    Pivoting never does, and gives Eq. (17) where e is along y.
-    """
-    pivot = np.abs(axes).argmax(axis=1)
-    return np.asarray(axes / axes[np.arange(len(axes)), pivot][:, None])
-
-
 def nodes(parts: Chains, U: Floats) -> Floats:
     """Return the motions of the limbs' nodes, (n, s + 1, 6, m), from those of U (dofs, m)."""
     n, s = len(parts.arms), parts.elements
     own = U[:-6].reshape(n, 6 * s - 2, -1)
     motion = np.zeros((n, s + 1, 6, U.shape[1]))
-    motion[:, 0, 3:] = turning(parts.axes)[..., None] * own[:, :1]
+    motion[:, 0, 3:] = parts.turns[..., None] * own[:, :1]
     motion[:, 1:s] = own[:, 1:-3].reshape(n, s - 1, 6, U.shape[1])
     motion[:, s, :3], motion[:, s, 3:] = parts.J @ U[-6:], own[:, -3:]
     return motion

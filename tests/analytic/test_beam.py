@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic import Limb, Material, Mechanism, Platform, Rod, Theory
+from analytic import STATIONS, Limb, Material, Mechanism, Platform, Rod, Theory
 from analytic.beam import centre_lines, element_matrices, strains
 from analytic.dynamic_stiffness import Sections, sections
 
@@ -73,6 +73,7 @@ def przemieniecki(rod: Rod, length: float, theory: Theory) -> tuple[np.ndarray, 
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0))
+@settings(deadline=None)
 def test_every_entry(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
     K, M = element(rod, length, theory)
@@ -96,6 +97,7 @@ def test_every_entry(beam: str, rod: Rod, length: float) -> None:
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0))
+@settings(deadline=None)
 def test_rigid_motion_costs_nothing_and_weighs_all(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
     K, M = element(rod, length, theory)
@@ -166,22 +168,23 @@ def test_cowper() -> None:
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(data=st.data())
+@settings(deadline=None)
 def test_centre_line_follows_rigid_motion(beam: str, data: st.DataObject) -> None:
     rod, length = data.draw(rods), data.draw(st.floats(0.05, 2.0))
     elements, theory = data.draw(st.integers(1, 6)), Theory(beam)
     spin = np.array(data.draw(st.tuples(*[st.floats(-1, 1)] * 3)))
-    stations = np.linspace(0, 1, 7)
     nodes = np.linspace(0, length, elements + 1)
     along = np.outer(nodes, [0, 0, 1])
     motion = np.concatenate([np.cross(spin, along), np.tile(spin, (elements + 1, 1))], axis=1)
     section, h = alone(rod, theory), np.array([length / elements])
-    found = centre_lines(section, h, motion[None, ..., None], stations)[0, ..., 0]
-    wanted = np.cross(spin, np.outer(stations * length, [0, 0, 1]))
+    found = centre_lines(section, h, motion[None, ..., None])[0, ..., 0]
+    wanted = np.cross(spin, np.outer(STATIONS * length, [0, 0, 1]))
     np.testing.assert_allclose(found, wanted, atol=1e-12)
 
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0), data=st.data())
+@settings(deadline=None)
 def test_strains_are_the_elements_energy(
     beam: str, rod: Rod, length: float, data: st.DataObject
 ) -> None:

@@ -3,10 +3,24 @@
 import numpy as np
 import pytest
 import scipy.linalg
+import scipy.sparse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analytic import Limb, Material, Mechanism, Platform, Pose, Rod, Substructure, limbs_at
+from analytic import (
+    InputError,
+    Limb,
+    Material,
+    Mechanism,
+    Multipliers,
+    Platform,
+    Pose,
+    Rod,
+    Substructure,
+    Theory,
+    limbs_at,
+)
+from analytic.certified import brackets
 from analytic.substructure import (
     independent_coordinates,
     limb_selection,
@@ -14,6 +28,7 @@ from analytic.substructure import (
     platform_selection,
     rigid_arm,
 )
+from analytic.wittrick_williams import characteristic
 
 # Euler-Bernoulli, s = 3, z = 0.49 m: from an independent implementation.
 CASE1 = [137.828, 137.828, 236.529, 793.765, 881.624, 881.624]
@@ -180,6 +195,133 @@ def test_more_elements_never_raise_a_frequency(pose: Pose, beam: str) -> None:
     """Rayleigh's principle on nested meshes; Timoshenko's depend on the element's length."""
     coarse, fine = (frequencies(Mechanism.paper(), pose, s, beam) for s in (2, 4))
     assert (fine <= coarse * (1 + 1e-10)).all()
+
+
+STEEL = Material(200e9, 77e9, 7820)
+PLATE = Platform.disc(0.2, 0.02, 7820)
+TIP = Mechanism(
+    (Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), Rod(STEEL, 0.02)),),
+    Platform(2.45, ((1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4))),
+)
+LOOSE = {
+    "one limb": (Mechanism(Mechanism.paper().limbs[:1], PLATE), Pose(0.49), 4),
+    "two limbs": (Mechanism(Mechanism.paper().limbs[:2], PLATE), Pose(0.49, 0.3, 0.1), 2),
+    "a mast": (TIP, Pose(1.0), 4),
+}
+
+
+def all_formulations(s: int, beam: str) -> list:
+    return [
+        Substructure(s, beam),
+        Substructure(s, beam, solver="sparse"),
+        Multipliers(s, beam),
+        Multipliers(s, beam, solver="saddle-point"),
+    ]
+
+
+def waves(robot: Mechanism, pose: Pose, s: int, beam: str, count: int) -> np.ndarray:
+    """The certified frequencies of s equal elements: no matrix has a part in them."""
+    bounds = brackets(characteristic(robot, pose, Theory(beam), s), count)[0]
+    return np.sqrt(np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)) / (2 * np.pi)
+
+
+@pytest.mark.parametrize("name", LOOSE)
+@pytest.mark.parametrize("s", [1, 3, 64, 256, 512])
+def test_free_motions_are_zero_and_cost_no_digits(name: str, s: int) -> None:
+    robot, pose, free = LOOSE[name]
+    wanted = waves(robot, pose, s, "timoshenko", 9)
+    assert (wanted[:free] == 0).all() and wanted[free] > 0
+    for model in all_formulations(s, "timoshenko"):
+        found = model.modes(robot, pose, 9).frequencies
+        assert (found[:free] == 0).all()
+        np.testing.assert_allclose(found[free:], wanted[free:], rtol=1e-11)
+        np.testing.assert_array_equal(model.frequencies(robot, pose, 1), [0.0])
+
+
+@pytest.mark.parametrize("s", [8, 9, 64, 512])
+def test_digits_do_not_fall_with_elements(s: int, robot: Mechanism, case2: Pose) -> None:
+    wanted = waves(robot, case2, s, "euler-bernoulli", 6)
+    for model in all_formulations(s, "euler-bernoulli"):
+        found = model.modes(robot, case2).frequencies
+        np.testing.assert_allclose(found, wanted, rtol=1e-11)
+
+
+@pytest.mark.parametrize("s", [1, 3, 12])
+@pytest.mark.parametrize("size", [1e-3, 1e-2, 1e2, 1e3])
+def test_digits_do_not_depend_on_size(s: int, size: float) -> None:
+    for k, z in ((1.0, 0.49), (size, 0.49 * size)):
+        disc = Platform.disc(0.2 * k, 0.02 * k, 7820)
+        robot = Mechanism.regular(0.3 * k, 0.2 * k, Rod(STEEL, 0.1 * k), disc)
+        found = [
+            m.modes(robot, Pose(z, 0.2, 0.1)).frequencies for m in all_formulations(s, "rayleigh")
+        ]
+        if k == 1.0:
+            wanted = found
+    np.testing.assert_allclose(np.multiply(found, size), wanted, rtol=1e-10)
+
+
+@pytest.mark.parametrize("tilt", [1e-2, 1e-4, 1e-6])
+def test_a_motion_that_is_all_but_free_keeps_its_digits(tilt: float) -> None:
+    """Two opposite limbs in one plane let the platform swing across it, but for a little tilt."""
+    robot = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), PLATE, limbs=2)
+    pose = Pose(0.5, 0.0, tilt)
+    wanted = waves(robot, pose, 3, "rayleigh", 8)
+    for model in all_formulations(3, "rayleigh"):
+        found = model.modes(robot, pose, 8).frequencies
+        np.testing.assert_allclose(found, wanted, rtol=1e-9)
+
+
+def test_solvers_end_whatever_the_rods() -> None:
+    """Rods a sixteen-hundredth of their length: the space is used up before Lanczos converges."""
+    plastic = Material(3e9, 1.1e9, 1200.0)
+    paper = Mechanism.paper()
+    limbs = tuple(
+        Limb(x.base, x.axis, x.platform_point, Rod(m, 3e-4))
+        for x, m in zip(paper.limbs, (STEEL, plastic, plastic), strict=True)
+    )
+    robot = Mechanism(limbs, paper.platform)
+    for s in (1, 3, 64):
+        first, *others = (
+            m.modes(robot, Pose(0.49)).frequencies for m in all_formulations(s, "rayleigh")
+        )
+        for other in others:
+            np.testing.assert_allclose(other, first, rtol=1e-9)
+
+
+def test_frequencies_are_those_of_the_modes(robot: Mechanism, case2: Pose) -> None:
+    for s in (1, 3, 8, 9, 40):
+        for count in (1, 6, 18):
+            model = Substructure(s, "timoshenko")
+            wanted = model.modes(robot, case2, count).frequencies
+            np.testing.assert_allclose(model.frequencies(robot, case2, count), wanted, rtol=1e-11)
+
+
+@pytest.mark.parametrize("s", [1, 2, 3, 7])
+def test_the_pair_is_the_papers_product(s: int, case2: Pose) -> None:
+    """K = Q^T (sum H_i^T K_i H_i) Q as printed, matrix by matrix, for limbs unlike each other."""
+    regular = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.1), PLATE, limbs=3, heading=0.4)
+    limbs = [
+        Limb(x.base, x.axis, x.platform_point, Rod(STEEL, d))
+        for x, d in zip(regular.limbs, (0.1, 0.05, 0.03), strict=True)
+    ]
+    robot, pose = Mechanism(tuple(limbs), PLATE), Pose(0.49, 0.6, 0.2)
+    model, n = Substructure(s, "timoshenko"), 3
+    at = limbs_at(robot, pose)
+    K_free, M_free, _ = Multipliers(s, "timoshenko").matrices(robot, pose)
+    H = [limb_selection(i, n, s, at.arms[i]) for i in range(n)] + [platform_selection(n, s)]
+    H_r = scipy.sparse.vstack(H) @ independent_coordinates(robot.axes, s)
+    for found, free in zip(model.matrices(robot, pose), (K_free, M_free), strict=True):
+        wanted = (H_r.T @ free @ H_r).toarray()
+        np.testing.assert_allclose(found.toarray(), wanted, atol=1e-14 * np.abs(wanted).max())
+
+
+def test_elements_of_any_integer_type(robot: Mechanism, case1: Pose) -> None:
+    wanted = frequencies(robot, case1, 200)
+    found = Substructure(np.uint8(200)).modes(robot, case1).frequencies  # type: ignore[arg-type]
+    np.testing.assert_array_equal(found, wanted)
+    for model in (Substructure, Multipliers):
+        with pytest.raises(InputError, match="elements = 1000000: expected at most 1000"):
+            model(1_000_000)
 
 
 @given(pose=poses, elements=st.integers(1, 5), beam=st.sampled_from(THEORIES))
