@@ -1,11 +1,15 @@
 """What every model answers: natural frequencies, mode shapes and what they cost."""
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 STATIONS = np.linspace(0.0, 1.0, 11)
 """Where limb motion is reported: fractions of the length, from B_i (0) to A_i (1)."""
@@ -63,6 +67,23 @@ class Modes:
             limbs=self.limbs[:count],
             uncertainty=uncertainty,
         )
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return one row a mode as a pandas frame: frequency and uncertainty [Hz], model, theory.
+
+        pandas is looked for when this is called; nothing else in this package needs it.
+        """
+        import pandas as pd
+
+        return pd.DataFrame({
+            "mode": range(1, len(self.frequencies) + 1),
+            "frequency_hz": self.frequencies,
+            "uncertainty_hz": np.nan if self.uncertainty is None else self.uncertainty,
+            "model": self.model,
+            "elements": str(self.elements),
+            "theory": self.theory,
+            "version": self.version,
+        })  # fmt: skip
 
     @property
     def seconds(self) -> float:
