@@ -20,7 +20,6 @@ from harness.gate.equivalents import UNITS, answer, relative, turned
 from harness.gate.plan import MODES, BatchTask, Checked
 from harness.presets import TWINS
 from harness.workers import Failure, attempt
-from reference_models import Named
 
 Floats = NDArray[np.float64]
 BATCH = 1e-9
@@ -81,7 +80,8 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     as many as a sum has terms.
     """
     info = model.info()
-    built = model.build() if isinstance(model, Named) and not info.isolated else model
+    build = getattr(model, "build", None)
+    built = model if build is None or info.isolated else build()
     matrices = getattr(built, "matrices", None)
     if matrices is None:
         return np.full(count, built.info().precision)

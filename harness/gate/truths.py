@@ -146,22 +146,21 @@ def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
 def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
     """Euler-Bernoulli > Rayleigh > Timoshenko; without shear Timoshenko is Rayleigh."""
     study = checked.cases
-    names = [name for name in THEORIES if Named(name, None) in study.models]
+    solved = {one.name: one for one in checked.plan.singles if one.elements is None}
+    chain = [solved[name] for name in THEORIES if name in solved]
 
-    def of(name: str, case: Case) -> Floats:
-        return study.answers[case, Named(name, None)].frequencies[: study.count]
+    def of(model: Named, case: Case) -> Floats:
+        return study.answers[case, model].frequencies[: study.count]
 
-    for stiff, soft in pairwise(names):
-        both = Named(stiff, None), Named(soft, None)
+    for stiff, soft in pairwise(chain):
         found = []
-        for case in study.complete(*both):
-            bound = precision(both[1], case.mechanism, case.pose, study.count)
-            excess = np.maximum(of(soft, case) / of(stiff, case) - 1, 0)
-            found.append((case.name, excess, bound))
-        yield from worst(f"{stiff} above {soft}", label(both[1]), found, "no excess")
-    if names[-2:] != list(THEORIES[-2:]):
+        for case in study.complete(stiff, soft):
+            bound = precision(soft, case.mechanism, case.pose, study.count)
+            found.append((case.name, np.maximum(of(soft, case) / of(stiff, case) - 1, 0), bound))
+        yield from worst(f"{stiff.name} above {soft.name}", label(soft), found, "no excess")
+    if not {*THEORIES[-2:]} <= solved.keys():
         return
-    without, sheared = (Named(name, None) for name in names[-2:])
+    without, sheared = chain[-2:]
     found = []
     for case in study.complete(without, sheared):
         own = case.mechanism, case.pose
@@ -169,9 +168,9 @@ def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
         assert rigid is not None, "it runs in this process"
         kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
         # The effect falls in proportion to 1 / kappa, or faster.
-        effect = 2 * (of(without.name, case) / of(sheared.name, case) - 1) * kappa / STIFF
+        effect = 2 * (of(without, case) / of(sheared, case) - 1) * kappa / STIFF
         bound = precision(without, *own, study.count) + effect
-        found.append((case.name, relative(rigid, of(without.name, case)), bound))
+        found.append((case.name, relative(rigid, of(without, case)), bound))
     yield from worst(f"kappa -> infinity is {without.name}", label(sheared), found, "1/kappa")
 
 
