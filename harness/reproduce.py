@@ -16,8 +16,12 @@ from reference_models import ModelError, UnavailableError
 TOP = """# Summary
 
 Written by `rps-bench reproduce`, about the cases {cases}. `--only NAME,NAME` makes single parts.
-Parts that hold seconds say so; all other files depend on the programs alone.
+{seconds}
 """
+SECONDS = {
+    False: "Parts that hold seconds are in `seconds.md`; this depends on the programs alone.",
+    True: "These parts hold seconds, which differ from run to run; `summary.md` has the others.",
+}
 
 
 @dataclass(frozen=True)
@@ -72,11 +76,15 @@ def jobs(entry: Entry, module: ModuleType, plan: Plan) -> dict[str, Request]:
     return {stem: one.with_(options={**usual, **one.options}) for stem, one in found.items()}
 
 
-def summary(plan: Plan, parts: Sequence[Part]) -> str:
-    """Return what the results say, study by study, as Markdown."""
-    lines = [TOP.format(cases=", ".join(case.name for case in plan.cases))]
-    for part in parts:
-        timed = " (holds seconds)" if part.entry.timed else ""
-        lines.append(f"## {part.entry.title}{timed}\n\nFrom `rps-bench {part.entry.name}`.\n")
-        lines.append("".join(f"- {line}\n" for line in part.sentences()) or "- no findings\n")
-    return "\n".join(lines)
+def summaries(plan: Plan, parts: Sequence[Part]) -> dict[str, bytes]:
+    """Return what the results say, study by study, as Markdown; seconds in a file of their own."""
+    files = {}
+    for name, timed in (("summary.md", False), ("seconds.md", True)):
+        cases = ", ".join(case.name for case in plan.cases)
+        lines = [TOP.format(cases=cases, seconds=SECONDS[timed])]
+        for part in parts:
+            if part.entry.timed == timed:
+                lines.append(f"## {part.entry.title}\n\nFrom `rps-bench {part.entry.name}`.\n")
+                lines.append("".join(f"- {line}\n" for line in part.sentences()) or "- nothing\n")
+        files[name] = "\n".join(lines).encode()
+    return files

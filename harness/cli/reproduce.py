@@ -41,7 +41,7 @@ def reproduce(
     results = {stem: result for part in parts for stem, result in part.results.items()}
     if history is not None:
         append_rows(history, results)
-    last = {"summary.md": job.summary(asked, parts).encode()}
+    last = job.summaries(asked, parts)
     last |= page_files(asked, parts, history, flags.as_typed(without=("only",)))
     written += len(write_all(output, last))
     for part in parts:
