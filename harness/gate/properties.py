@@ -84,7 +84,7 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     built = model if build is None or info.isolated else build()
     matrices = getattr(built, "matrices", None)
     if matrices is None:
-        return np.full(count, built.info().precision)
+        return np.full(count, getattr(built, "info", model.info)().precision)
     assert isinstance(model.elements, int), "matrices are of elements"
     K, M, *constraints = matrices(mechanism, pose)
     if constraints:

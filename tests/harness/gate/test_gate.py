@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import datetime
-from typing import Any
 
 import numpy as np
 import pytest
@@ -262,11 +261,22 @@ def test_a_smaller_uncertainty_is_a_finding(once: Accepted, plant: Planted) -> N
 
 @pytest.mark.slow
 def test_kilohertz_for_hertz_is_no_pass_and_not_accepted(once: Accepted, plant: Planted) -> None:
-    """Without a baseline as well: its theory has an exact limit."""
+    """Without a baseline as well: its shapes are not those of such frequencies."""
     study = replace(plan("exudyn-cable"), mapped=(), poses=())
     checked = solve(plant(study, "exudyn-cable", factor=lambda m, p: 1e-3), once.bench)
     report = look(checked, once.bench, None)
     assert not report.passed
+    assert {one.kind for one in report.failed} == {"failure"}
+    with pytest.raises(NotAcceptedError, match="x failure, which cannot be"):
+        accepted(replace(report, about=ABOUT), checked, once.bench, "a good reason")
+
+
+@pytest.mark.slow
+def test_one_percent_is_not_accepted_into_a_new_baseline(once: Accepted, plant: Planted) -> None:
+    """Its theory has an exact limit, and one percent is not on the way there."""
+    study = replace(plan("exudyn-cable"), mapped=(), poses=())
+    checked = solve(plant(study, "exudyn-cable", factor=lambda m, p: 1.01), once.bench)
+    report = look(checked, once.bench, None)
     assert "s -> infinity is exact" in {one.quantity for one in report.failed}
     with pytest.raises(NotAcceptedError, match="x property, which cannot be"):
         accepted(replace(report, about=ABOUT), checked, once.bench, "a good reason")

@@ -82,7 +82,6 @@ def test_all_properties_hold(bench: Bench) -> None:
     [
         (1 + 1e-6, "s -> infinity is exact"),
         (0.99, "elements only stiffen"),
-        (1e-3, "modes counted on the finest mesh"),
     ],
 )
 def test_a_wrong_mesh_is_far_from_its_limit(
@@ -100,9 +99,7 @@ def test_theories_in_the_wrong_order_are_seen(bench: Bench, plant: Planted) -> N
         standard([CASE], ["rayleigh", "timoshenko"]), ladders=(), mapped=(), poses=()
     )  # fmt: skip
     wrong = plant(plan, "timoshenko", factor=lambda m, p: 1.1)
-    assert failed(wrong, bench) >= {
-        "rayleigh above timoshenko", "kappa -> infinity is rayleigh"
-    } - {"kappa -> infinity is rayleigh"}  # fmt: skip
+    assert "rayleigh above timoshenko" in failed(wrong, bench)
 
 
 @pytest.mark.slow

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from analytic import InputError
-from harness.gate.measured import Count, Measured, Order, Shaped, Source
 from harness.gate.files import load, save
+from harness.gate.measured import Count, Measured, Order, Shaped, Source
 from harness.gate.ratchet import FACTOR, FLOOR, Baseline, Reason, accept
 
 ABOUT = {"time": "2026-01-02T03:04:05+00:00", "commit": "abc"}

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-
-from harness.cases import PRESETS
 from harness.gate.study import YARDSTICK
-from harness.gate.timing_watch import LEAST, WINDOWS, changes, timings
 from harness.history.store import append, open_history
 from harness.models import Spec
 from harness.precision import cost
 from harness.precision.solved import Solved
+from numpy.typing import NDArray
+
+from harness.cases import PRESETS
+from harness.gate.timing_watch import LEAST, WINDOWS, changes, timings
 
 SERIES, RUNS = 40, 200
 """As many series as a whole check has."""

@@ -5,7 +5,14 @@ import pytest
 from scipy.optimize import least_squares
 from scipy.stats import chi2, f
 
-from analytic.fit import Minima, minimise, profile_ends, profiles, rise, search
+from harness.studies.identification.fit import (
+    Minima,
+    minimise,
+    profile_ends,
+    profiles,
+    rise,
+    search,
+)
 
 LOW, HIGH = np.full(3, -2.0), np.full(3, 2.0)
 T = np.linspace(0, 3, 9)

@@ -1,0 +1,138 @@
+"""A table of natural frequencies to be explained: the paper's own, or one from a file."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic import InputError
+from harness import published
+from harness.cases import PRESETS, Case
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FrequencyTable:
+    """Frequencies [Hz] of the same modes in several cases, as printed.
+
+    Attributes: `source` in words; the `cases` and their poses; `frequencies` (cases, modes);
+    `step`, one unit of the last digit printed, (cases, modes).
+    """
+
+    source: str
+    cases: tuple[Case, ...]
+    frequencies: Floats
+    step: Floats
+
+    @property
+    def logarithms(self) -> Floats:
+        """ln f, shape (cases * modes,)."""
+        return np.asarray(np.log(self.frequencies).ravel())
+
+    @property
+    def weights(self) -> Floats:
+        """What each value counts, (cases * modes,).
+
+        Two neighbours printed alike, to one unit of the last digit, are one repeated mode of a
+        symmetrical pose and say one thing: together they count as one value.
+        """
+        f = self.frequencies
+        twins = np.diff(f, axis=1) <= 1.001 * self.step[:, 1:]
+        group = np.concatenate([np.zeros((len(f), 1)), np.cumsum(~twins, axis=1)], axis=1)
+        sizes = (group[:, :, None] == group[:, None, :]).sum(axis=2)
+        return np.asarray((1 / sizes).ravel())
+
+    @property
+    def rounding(self) -> float:
+        """The relative standard deviation that rounding alone gives a value."""
+        return float(np.sqrt(np.mean((self.step / self.frequencies) ** 2) / 12))
+
+
+def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
+    """Return one row a case of the paper's Table I: `method` "Theoretical" or "FEA".
+
+    Raises `InputError` for another method, and for cases that are not the paper's.
+    """
+    rows = published.table1()
+    if method not in ("Theoretical", "FEA"):
+        raise InputError("method", method, "Theoretical or FEA")
+    for case in cases:
+        if not case.published:
+            raise InputError("table", "published", f"a CSV file with frequencies of {case.name}")
+    f = np.array([rows[case.published, method] for case in cases])
+    source = f"the paper's Table I, row {method}"
+    return FrequencyTable(source, tuple(cases), f, np.full(f.shape, 0.01))
+
+
+def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> FrequencyTable:
+    """Return the table in a CSV file with columns case, f1, f2, ... [Hz], and perhaps method.
+
+    `method` chooses rows where a case has several; cases are this bench's own or of `cases`.
+    Raises `InputError` naming what is wrong.
+    """
+    columns, rows = _read(path)
+    modes = [f"f{i}" for i in range(1, len(columns) + 1) if f"f{i}" in columns]
+    if "case" not in columns or modes != [f"f{i}" for i in range(1, len(modes) + 1)] or not modes:
+        raise InputError("table", str(path), "rows under the columns case, f1, f2, ...")
+    if method is not None:
+        known = list(dict.fromkeys(row.get("method", "") for row in rows))
+        if method not in known:
+            raise InputError("method", method, f"one of {', '.join(known)} in {path}")
+        rows = [row for row in rows if row["method"] == method]
+    by_name = PRESETS | {case.name: case for case in cases}
+    for row in rows:
+        if row["case"] not in by_name:
+            raise InputError("table", row["case"], f"one of the cases {', '.join(by_name)}")
+    names = [row["case"] for row in rows]
+    if len(set(names)) < len(names):
+        raise InputError("table", str(path), "one row a case; choose with --method")
+    f = np.array([[_frequency(row, mode, path) for mode in modes] for row in rows])
+    if (np.diff(f, axis=1) < 0).any():
+        raise InputError("table", str(path), "frequencies that ascend from f1")
+    step = np.array([[_last_digit(row[mode]) for mode in modes] for row in rows])
+    source = f"{path}{'' if method is None else f', {method}'}"
+    return FrequencyTable(source, tuple(by_name[name] for name in names), f, step)
+
+
+def _read(path: Path) -> tuple[list[str], list[dict[str, str]]]:
+    """Return the columns of a CSV file and its rows, each with one value a column."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = [line for line in csv.reader(file, strict=True) if line]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        expected = f"'published' or a readable CSV ({reason})"
+        raise InputError("table", str(path), expected) from None
+    if len(lines) < 2:
+        raise InputError("table", str(path), "rows under the columns case, f1, f2, ...")
+    columns, *rows = ([cell.strip() for cell in line] for line in lines)
+    twice = [name for name in columns if columns.count(name) > 1]
+    if twice:
+        raise InputError(
+            "table", str(path), f"one column {twice[0]!r}, not {columns.count(twice[0])}"
+        )
+    for row in rows:
+        if len(row) != len(columns):
+            expected = f"{len(columns)} values a row, as many as columns, not {len(row)}"
+            raise InputError("table", ",".join(row), expected)
+    return columns, [dict(zip(columns, row, strict=True)) for row in rows]
+
+
+def _frequency(row: dict[str, str], mode: str, path: Path) -> float:
+    try:
+        value = float(row[mode])
+    except ValueError:
+        value = np.nan
+    if not (np.isfinite(value) and value > 0):
+        where = f"{mode} of {row['case']} in {path}"
+        raise InputError(where, row[mode], "a positive number of hertz")
+    return value
+
+
+def _last_digit(text: str) -> float:
+    digits, _, power = text.lower().partition("e")
+    return float(10.0 ** (int(power or 0) - len(digits.partition(".")[2])))
