@@ -9,6 +9,7 @@ before. A score is clipped at 2.5 standard deviations: no single run, however sl
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -140,13 +141,11 @@ def timings(
 
     `since`: for some models the first run that counts, after a change that was accepted.
     """
-    table = history.query(_SERIES, [machine])
+    rows = history.query(_SERIES, [machine]).rows()
     found = []
-    for (model,), runs in table.group_by("model", maintain_order=True):
-        name = str(model)
-        times: list[datetime] = runs["time"].to_list()
+    for name, runs in groupby(rows, key=lambda row: str(row["model"])):
         first = (since or {}).get(name, datetime.min)
-        kept = [(t, x) for t, x in zip(times, runs["slowness"], strict=True) if t >= first]
+        kept = [(row["time"], row["slowness"]) for row in runs if row["time"] >= first]
         values = [x for _, x in kept[-LONGEST:]]
         slower, faster = ([None, *changes(x)][-1] for x in (values, [-x for x in values]))
         if slower is None or faster is None:

@@ -3,20 +3,15 @@
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pytest
-from harness.gate.study import YARDSTICK
-from harness.history.store import append, open_history
-from harness.models import Spec
-from harness.precision import cost
-from harness.precision.solved import Solved
 from numpy.typing import NDArray
 
-from harness.cases import PRESETS
 from harness.gate.timing_watch import LEAST, WINDOWS, changes, timings
+from harness.gate.yardstick import YARDSTICK, yardstick, yardstick_row
+from harness.history.store import append, open_history
 
 SERIES, RUNS = 40, 200
 """As many series as a whole check has."""
@@ -138,25 +133,29 @@ def test_the_history_is_asked_by_model_and_machine(tmp_path: Path) -> None:
 
 
 def test_other_commands_are_no_part_of_the_series(tmp_path: Path) -> None:
-    """Seconds of `cost`, of the same model timed otherwise, have no yardstick of the gate."""
+    """Seconds of the same model timed by another command have no yardstick of the gate beside."""
     seconds = 0.05 * np.exp(0.05 * normal(np.random.default_rng(4), (30, 1)))
     history(tmp_path, seconds)
     before = timings(open_history(tmp_path), "one")
-    spec, case = Spec("euler-bernoulli", 3), PRESETS["case2"]
-    rows = [
-        row | {"model": "m0", "machine": "one"}
-        for way in ("substructure, dense", cost.YARDSTICK)
-        for row in Solved(spec, case, way, cost.TIMED).rows(np.ones(6), 7.0)
-    ]
+    assert [one.model for one in before] == ["m0"]
     for day in range(20):
         at = datetime(2026, 3, 1, tzinfo=UTC) + timedelta(days=day)
-        append(tmp_path, rows, "rps-bench cost", at)
+        append(tmp_path, [row("m0", "case1", 7.0, "one")], "rps-bench cost", at)
     assert timings(open_history(tmp_path), "one") == before
+
+
+def test_the_yardstick_is_a_known_chain() -> None:
+    """150 unit masses between walls: omega_1 = 2 sin(pi / 302)."""
+    frequency, seconds = yardstick()
+    assert frequency == pytest.approx(2 * np.sin(np.pi / 302) / (2 * np.pi), rel=1e-10)
+    assert seconds > 0
+    middle = yardstick_row([(1.0, 3.0), (1.0, 1.0), (1.0, 2.0)])
+    assert (middle["model"], middle["solve_s"]) == (YARDSTICK, 2.0)
 
 
 @pytest.mark.slow
 def test_a_hundred_thousand_rows(tmp_path: Path) -> None:
-    """200 runs of 500 rows: the question takes seconds, and the answer is right."""
+    """200 runs of 500 rows: the question is asked at once, and the answer is right."""
     noise = np.exp(normal(np.random.default_rng(6), (200, 50)))
     noise[195:, 17] *= 2
     start = datetime(2026, 1, 1, tzinfo=UTC)
@@ -165,10 +164,7 @@ def test_a_hundred_thousand_rows(tmp_path: Path) -> None:
         for model, second in enumerate(run.tolist()):
             rows += [row(f"m{model}", f"case{k}", 0.1 * second, "one") for k in range(10)]
         append(tmp_path, rows, "rps-bench check", start + timedelta(days=day))
-    begin = perf_counter()
     past = open_history(tmp_path)
-    opened = perf_counter()
     found = timings(past, "one")
-    print(f"opened in {opened - begin:.1f} s, asked in {perf_counter() - opened:.1f} s")
-    assert past.query("SELECT count(*) AS n FROM rows")["n"].item() == 200 * 501
+    assert past.query("SELECT count(*) AS n FROM rows").rows() == [{"n": 200 * 501}]
     assert [one.model for one in found if one.slower.happened] == ["m17"]
