@@ -131,7 +131,7 @@ def test_what_is_shown_comes_from_the_last_run(
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["check", "--baseline", "none", "--models", "exudyn"], "--models = 'exudyn': expected some"),
+        (["check", "--baseline", "none", "--models", "exudyn"], "--models = 'exudyn': expected"),
         (["check", "--baseline", ""], "--baseline = '': expected the name of a folder"),
         (["check", "--baseline", "nowhere"], "--baseline = 'nowhere': expected a folder of"),
         (["check", "--baseline", "none", "--json", ""], "--json = '': expected the name of a file"),
