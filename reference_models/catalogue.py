@@ -74,8 +74,8 @@ class Named:
 
     def given(self, **settings: Any) -> "Named":
         """Return this model with those of `settings` that it has."""
-        known = accepted(self.name)
-        own = {key: value for key, value in settings.items() if key in known}
+        mine = accepted(self.name)
+        own = {key: value for key, value in settings.items() if key in mine}
         return replace(self, settings=tuple(sorted({**own, **dict(self.settings)}.items())))
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
@@ -95,8 +95,7 @@ class Named:
         name = self.info().limit
         if not name:
             return None
-        shear = [pair for pair in self.settings if pair[0] == "shear"]
-        return Named(name, None, tuple(shear) if "shear" in accepted(name) else ())
+        return _exact(name, self.settings)
 
 
 def names() -> list[str]:
@@ -117,9 +116,11 @@ def reference(name: str, elements: Any = ..., **settings: Any) -> Named:
     exact model, or left out for the model's own default. Raises `InputError` for an unknown name,
     setting or number of elements, and `UnavailableError` where its program is missing.
     """
-    thing = find(name, "reference")
+    known(name, "reference")
+    if missing := Named(name, None).info().missing:
+        raise UnavailableError(f"model {name!r} cannot run here: {missing}")
     if elements is ...:
-        elements = inspect.signature(thing).parameters["elements"].default
+        elements = inspect.signature(find(name)).parameters["elements"].default
     model = Named(name, elements, tuple(sorted(settings.items())))
     model.build()
     return model
@@ -137,21 +138,16 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
     if found is None:
         raise InputError(argument, text, "NAME, NAME@ELEMENTS or NAME@exact")
     name, number, own = found["name"], found["elements"], found["settings"]
-    try:
-        thing = find(name, argument)
-    except InputError:
-        raise
-    except BaseException:  # it cannot be imported: `info` says why
-        thing = None
-    info, known = Named(name, None).info(), accepted(name)
+    known(name, argument)
+    info, mine = Named(name, None).info(), accepted(name)
     given: dict[str, Any] = {}
     for item in own.split(",") if own else ():
         key, _, value = item.partition("=")
-        if key.strip() not in known:
-            expected = f"settings of {name}: {', '.join(sorted(known)) or 'it has none'}"
+        if not info.missing and key.strip() not in mine:
+            expected = f"settings of {name}: {', '.join(sorted(mine)) or 'it has none'}"
             raise InputError(argument, text, expected)
         given[key.strip()] = _value(value.strip())
-    size = _elements(thing, info, number, argument, text)
+    size = _elements(name, info, number, argument, text)
     model = Named(name, size, tuple(sorted(given.items()))).given(**settings)
     if not info.missing:
         try:
@@ -163,13 +159,13 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
     return model
 
 
-def _elements(thing: Any, info: Info, number: str | None, argument: str, text: str) -> Elements:
+def _elements(name: str, info: Info, number: str | None, argument: str, text: str) -> Elements:
     """Return the elements of a label, or raise `InputError`."""
     single = info.refinements is None
     if number is None:
         if info.refinements is not None:
             return info.refinements
-        default: Elements = inspect.signature(thing).parameters["elements"].default
+        default: Elements = inspect.signature(find(name)).parameters["elements"].default
         return default
     if number == EXACT and single:
         return None
@@ -196,13 +192,18 @@ def _value(text: str) -> int | float | str | bool | None:
 
 
 def find(name: str, argument: str = "model") -> Any:
-    """Return what is behind `name`, or raise `InputError` with the names there are."""
+    """Return what is behind `name`; raises as `known`, and whatever loading raises."""
+    return known(name, argument).load()
+
+
+def known(name: str, argument: str) -> EntryPoint:
+    """Return where `name` is, or raise `InputError` with the names there are."""
     points = _points(tuple(sys.path))
     if name not in points:
         near = difflib.get_close_matches(name, points, 1)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise InputError(argument, name, f"one of {', '.join(sorted(points))}{meant}")
-    return points[name].load()
+    return points[name]
 
 
 @lru_cache(maxsize=4)
@@ -216,10 +217,10 @@ def accepted(name: str) -> frozenset[str]:
     try:
         thing = find(name)
         own = getattr(thing, "settings", None)
-        known = own if own is not None else inspect.signature(thing).parameters
+        names = own if own is not None else inspect.signature(thing).parameters
     except Exception:  # a plug-in that cannot be imported has none
         return frozenset()
-    return frozenset(known) - {"elements"}
+    return frozenset(names) - {"elements"}
 
 
 def _info(named: Named) -> Info:
@@ -243,10 +244,18 @@ def _info(named: Named) -> Info:
         except Exception:  # settings that it does not have: said when it is built
             return info
         info = own if isinstance(own, Info) else info
-    beam = dict(named.settings).get("beam")  # a simulator's info is of its class, not of this one
-    if beam and info.limit and beam != info.limit:
-        info = replace(info, limit=beam, theory=Named(beam, None).info().theory)
+    given = dict(named.settings)
+    if info.isolated and info.limit and given.keys() & {"beam", "shear"}:
+        # A simulator's info is of its class, not of this one.
+        exact = _exact(given.get("beam", info.limit), named.settings)
+        info = replace(info, limit=exact.name, theory=exact.info().theory)
     return info
+
+
+def _exact(name: str, settings: tuple[tuple[str, Any], ...]) -> Named:
+    """Return the exact model `name`, of the same shear coefficient if it has one."""
+    shear = tuple(pair for pair in settings if pair[0] == "shear")
+    return Named(name, None, shear if "shear" in accepted(name) else ())
 
 
 def _coarser(named: Named) -> Elements:

@@ -44,7 +44,8 @@ class ExudynBeam:
     def info(cls) -> Info:
         """Return what the model is; never raises."""
         remark = "second order: extrapolate, or compare with far more elements than elsewhere"
-        return describe("Timoshenko", 2, (12, 24), remark, ladder=(6, 12, 24), limit="timoshenko")
+        theory = "Timoshenko, kappa by Cowper"
+        return describe(theory, 2, (12, 24), remark, ladder=(6, 12, 24), limit="timoshenko")
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""

@@ -19,10 +19,16 @@ from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose
 from reference_models.placement import Placement, place
+from reference_models.protocol import hertz
 from reference_models.solid.table import DIRECTIONS, OCTAVES, Columns, LimbTable
 
 Array = NDArray[np.float64]
 
+NAME = "solid-limb"
+CLOSE = 1e-3
+"""Eigenvalues this close, relative, may mix their modes."""
+SAFETY = 2.0
+"""Over errors found at the extremes of interpolation: between these they may be larger."""
 CHUNK = 500
 """Poses solved at once: what fits into the processor's cache."""
 
@@ -52,30 +58,9 @@ class SolidLimb:
             problem = self._problem(mechanism, flat[part])
             check_count(count, problem.size)
             values = np.linalg.eigvalsh(problem.matrix)
-            twist = problem.columns.twist
-            result[part] = np.sort(np.concatenate([values, twist], axis=1), axis=1)[:, :count]
-        return np.asarray(hertz(result)).reshape(*poses.shape, count)
-
-    def uncertainty(self, mechanism: Mechanism, poses: Pose, frequencies: Array) -> Array:
-        """Return the tables' error of `frequencies` [Hz], both (N, count), at N poses.
-
-        Of interpolation and of modes left out, measured when the tables were made; infinite where
-        they hold no longer. The mesh's own error is not in it.
-        """
-        relative = np.zeros_like(frequencies)
-        lengths = place(mechanism, poses).lengths
-        for i, limb in enumerate(mechanism.limbs):
-            rod = limb.rod
-            octaves = octaves_of(lengths[..., i] / rod.diameter)
-            for octave in np.unique(octaves).tolist():
-                table = self.tables(rod.material.poisson, octave)
-                here = octaves == octave
-                softest = table.at(rod, lengths[here, i]).poles.min(axis=-1)
-                level = (2 * np.pi * frequencies[here]) ** 2 / softest[:, None]
-                # Beyond the highest level nothing was measured.
-                errors = np.append(table.errors, np.inf)[np.searchsorted(table.levels, level)]
-                relative[here] = np.maximum(relative[here], errors)
-        return np.asarray(relative * frequencies)
+            every = np.concatenate([values, problem.columns.twist], axis=1)
+            result[part] = hertz(NAME, np.sort(every, axis=1)[:, :count], problem.rounding)
+        return result.reshape(*poses.shape, count)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `frequencies`."""
@@ -90,24 +75,67 @@ class SolidLimb:
         twist = problem.columns.twist[0]
         both = np.concatenate([values, twist])
         order = np.argsort(both, kind="stable")[:count]
+        lam = both[order]
         # A twisting limb moves neither the platform nor its own axis.
         vectors = np.pad(vectors, ((0, 0), (0, len(twist))))[:, order]
-        platform, limbs = problem.shapes(both[order], vectors)
-        frequencies = hertz(both[order])
+        platform, limbs = problem.shapes(lam, vectors)
+        frequencies = hertz(NAME, lam, problem.rounding[0])
+        moved = self._moved(mechanism, problem, lam, vectors, order - problem.size)
+        error = None if moved is None else hertz(NAME, lam + moved, 0.0) - frequencies
         return Modes(
             frequencies=frequencies,
             platform=platform,
             limbs=limbs,
             theory=self.theory,
-            model="solid-limb",
+            model=NAME,
             version=self.version,
             elements=self.elements,
             dofs=problem.size,
             residual=None,
             build_seconds=built - begin,
             solve_seconds=time.perf_counter() - built,
-            uncertainty=self.uncertainty(mechanism, one, frequencies[None])[0],
+            uncertainty=error,
         )
+
+    def _moved(
+        self,
+        mechanism: Mechanism,
+        problem: "Problem",
+        lam: Array,
+        vectors: Array,
+        twisting: NDArray[np.intp],
+    ) -> Array | None:
+        """Return a bound on how far the tables' errors move each omega^2 = `lam` (k,), or None.
+
+        In a mode of unit modal mass, a column of `vectors` (m, k), an error of d_k moves omega^2
+        by its own t_k^2, t_k = a_k . U: to first order, and errors are millionths. `twisting` is
+        the number of a twisting mode, below zero for others. The mesh's own error is not in it.
+        None where a mode lies higher than the tables were compared with rods.
+        """
+        columns, owner, n = problem.columns, problem.owner, len(mechanism.limbs)
+        t = problem.tips(vectors).T
+        by_direction = np.arange(DIRECTIONS * n) == owner[:, None]
+        modal = vectors[6:].T ** 2
+        P, Q, x = columns.P[0], columns.Q[0], lam[:, None]
+        # |d| + lambda |d'|, each times t^2: finite at the poles too.
+        d = np.abs((P - Q * x) * t**2 - (modal * (columns.poles[0] - x)) @ by_direction)
+        size = d + x * (np.abs(Q) * t**2 + modal @ by_direction)
+        moved = np.zeros(len(lam))
+        for i, limb in enumerate(mechanism.limbs):
+            rod, length = limb.rod, problem.limbs.lengths[0, i]
+            table = self.tables(rod.material.poisson, int(octaves_of(length / rod.diameter)))
+            first = columns.poles[0, np.flatnonzero(owner == DIRECTIONS * i)[0]]
+            level = np.searchsorted(table.levels, lam / first)
+            if level.max() == len(table.levels):
+                return None
+            errors = table.errors[level]
+            own = slice(DIRECTIONS * i, DIRECTIONS * (i + 1))
+            moved += (errors[:, :DIRECTIONS] * size[:, own]).sum(axis=1)
+            turns = (twisting >= 0) & (twisting * n // columns.twist.shape[1] == i)
+            moved += errors[:, DIRECTIONS] * lam * turns
+        # Modes that lie close mix: what moves one may move another.
+        close = np.abs(lam - x) <= CLOSE * np.abs(x)
+        return np.asarray(SAFETY * (close @ moved) + 2 * problem.rounding[0])
 
     def _problem(self, mechanism: Mechanism, poses: Pose) -> "Problem":
         """Return the eigenproblem at N poses, its mass made the identity."""
@@ -164,6 +192,16 @@ class Problem:
         """The number of coordinates."""
         return int(self.matrix.shape[-1])
 
+    @property
+    def rounding(self) -> Array:
+        """How far eigenvalues are known, of N poses: (N, 1)."""
+        largest = np.abs(self.matrix).max(axis=(1, 2))[:, None]
+        return np.asarray(self.size * np.finfo(float).eps * largest)
+
+    def tips(self, vectors: Array) -> Array:
+        """Return t_k of every direction, (3 n, k), in `vectors` (m, k) of the first pose."""
+        return np.asarray(self.vectors[0] @ np.linalg.solve(self.root[0].T, vectors[:6]))
+
     def shapes(self, eigenvalues: Array, vectors: Array) -> tuple[Array, Array]:
         """Return platform (k, 6) and limbs (k, n, 11, 3) in `vectors` (m, k) of the first pose."""
         U = np.linalg.solve(self.root[0].T, vectors[:6])
@@ -200,11 +238,6 @@ def octaves_of(aspects: Array) -> NDArray[np.intp]:
         limits = f"{2**OCTAVES.start} to {2**OCTAVES.stop} diameters of its rod"
         raise InputError("limb length", f"{worst:.3g} diameters", limits)
     return np.asarray(octaves)
-
-
-def hertz(eigenvalues: Array) -> Array:
-    """Return frequencies of omega^2; a mechanism free to move has 0 up to rounding."""
-    return np.asarray(np.sqrt(np.maximum(eigenvalues, 0.0)) / (2 * np.pi))
 
 
 def _merged(parts: dict[int, Columns], octaves: NDArray[np.intp]) -> Columns:

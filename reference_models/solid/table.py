@@ -46,9 +46,9 @@ class LimbTable:
     """Chebyshev coefficients over 2^`octave` <= a <= 2^(octave + 1), for one Poisson's ratio.
 
     Attributes: `owner` (p,); `coefficients` (q, columns): P, Q, poles, couplings, twist, static,
-    shapes in turn, in beam units; `levels` omega^2 over the first pole's and `errors`, (k,): the
-    largest error of a frequency, relative, where the table was compared with the rod itself, at
-    lengths between its nodes and up to each level.
+    shapes in turn, in beam units; `levels` (k,), omega^2 over the first pole's; `errors` (k, 4) of
+    d in the three directions, over |d| + lambda |d'|, and of twisting modes' omega^2: the largest
+    that was found up to each level where the table was compared with the rod itself.
     """
 
     octave: int
@@ -102,6 +102,12 @@ def split(values: Array, poles: int) -> Columns:
 def nodes(octave: int, count: int) -> Array:
     """Return the aspects a of `count` Chebyshev nodes of an octave."""
     u = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    return np.asarray(2.0**octave / (0.75 + 0.25 * u))
+
+
+def extremes(octave: int, count: int) -> Array:
+    """Return aspects a half-way between `count` Chebyshev nodes, every other, and both ends."""
+    u = np.cos(np.pi * np.arange(0, count + 1, 2) / count)
     return np.asarray(2.0**octave / (0.75 + 0.25 * u))
 
 

@@ -9,6 +9,7 @@ from reference_models.solid.rod import FAMILIES, SLENDERNESS
 from reference_models.solid.table import (
     LimbTable,
     coefficients,
+    extremes,
     frequency_units,
     nodes,
     stiffness_units,
@@ -16,14 +17,13 @@ from reference_models.solid.table import (
 
 Array = NDArray[np.float64]
 
-FORM = 1
+FORM = 2
 """Of the numbers in a table: another where this file or the reduction comes to other numbers."""
 KEPT = {"x": 2, "y": 2, "z": 0, "twist": 2}
 """Modes kept of each family; each but "twist" has one more, for all others."""
 NODES = 14
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 4.0, 5.0, 6.0])
 """Up to these multiples of the rod's lowest pole are errors measured."""
-CHECKS = 5
 
 Rods = dict[str, Held]
 
@@ -32,9 +32,9 @@ def limb_table(held: Rods, octave: int) -> LimbTable:
     """Return the table of lengths 2^octave to 2^(octave + 1) diameters."""
     series = coefficients(np.array([_row(_spectra(held, a), a) for a in nodes(octave, NODES)]))
     owner = np.repeat(np.arange(3), [KEPT[family] + 1 for family in "xyz"])
-    made = LimbTable(octave, owner, series, LEVELS, np.zeros(len(LEVELS)))
-    # Chebyshev nodes of another number lie between these.
-    errors = np.max([_errors(made, held, a) for a in nodes(octave, CHECKS)], axis=0)
+    made = LimbTable(octave, owner, series, LEVELS, np.zeros((len(LEVELS), len(FAMILIES))))
+    # Between the nodes, and at both ends, where interpolation errs most.
+    errors = np.max([_errors(made, held, a) for a in extremes(octave, NODES)], axis=0)
     return LimbTable(octave, owner, series, LEVELS, np.maximum.accumulate(errors))
 
 
@@ -62,9 +62,10 @@ def _row(spectra: dict[str, Spectrum], aspect: float) -> Array:
 
 
 def _errors(table: LimbTable, held: Rods, aspect: float) -> Array:
-    """Return the largest relative error of omega up to each of `LEVELS`.
+    """Return how far off each of `FAMILIES` is up to each of `LEVELS`, shape (levels, families).
 
-    An error of d moves omega^2 by less than its ratio to |d| + lambda |d'|, and omega by half.
+    Of d over |d| + lambda |d'|, which is as regular at a pole as elsewhere; of twisting modes'
+    omega^2, relative.
     """
     seen = _spectra(held, aspect)
     a = np.array([aspect])
@@ -72,7 +73,7 @@ def _errors(table: LimbTable, held: Rods, aspect: float) -> Array:
     lowest = seen["x"].poles[0]
     fraction = (np.arange(40) + 0.5)[:, None] / 40 * np.diff(LEVELS, prepend=0.0)
     lam = (fraction + np.append(0, LEVELS[:-1])) * lowest
-    result = np.zeros(len(LEVELS))
+    result = np.zeros((len(LEVELS), len(FAMILIES)))
     step = 1e-6
     for i, family in enumerate("xyz"):
         own = table.owner == i
@@ -83,6 +84,7 @@ def _errors(table: LimbTable, held: Rods, aspect: float) -> Array:
             PARTS / stiff[i] * seen[family].stiffness(lam * f) for f in (1, 1 + step, 1 - step)
         )
         size = np.abs(exact) + np.abs(above - below) / (2 * step)
-        result = np.maximum(result, np.max(np.abs(d - exact) / size, axis=0) / 2)
-    twist = np.abs(row.twist[0] / (seen["twist"].poles[: KEPT["twist"]] / unit[2]) - 1).max() / 2
-    return np.asarray(np.maximum(result, twist))
+        result[:, i] = np.max(np.abs(d - exact) / size, axis=0)
+    twist = np.abs(row.twist[0] / (seen["twist"].poles[: KEPT["twist"]] / unit[2]) - 1)
+    result[:, -1] = twist.max()
+    return result
