@@ -19,7 +19,7 @@ PARAGRAPHS = 0.8
 """Part of LaTeX's line that all longer columns share."""
 NARROW = 12
 """Characters a column of text keeps at least, however narrow the terminal."""
-GAP = 2
+GAP = 3
 """Spaces between columns."""
 BEGIN = r"\begin{tabular}"
 
@@ -151,12 +151,14 @@ class Table:
             yield dict(enumerate(natural))
             return
         room = width - 1
-        # The columns before the first number say what a row is; of many only the first few can.
+        # The columns before the first number say what a row is; of many only those that leave room.
+        numbers = (w for w, flush in zip(natural, numeric, strict=True) if flush)
+        widest = GAP + max(NARROW, *numbers, 0)
         first = numeric.index(True) if True in numeric else 1
         keys: dict[int, int] = {}
         for k in range(max(1, min(first, len(natural) - 1))):
             most = natural[k] if numeric[k] else min(natural[k], max(NARROW, room // 3))
-            if keys and sum(keys.values()) + most + GAP * (len(keys) + 1) > room // 2:
+            if keys and sum(keys.values()) + most + GAP * (len(keys) + 1) + widest > room:
                 break
             keys[k] = most
         block, used = dict(keys), sum(w + GAP for w in keys.values())

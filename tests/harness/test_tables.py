@@ -1,0 +1,135 @@
+"""One table, five ways to read it; however narrow the terminal, no number is cut."""
+
+import csv
+import io
+from collections import Counter
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rich.console import Console
+
+from harness.api import study
+from harness.result import Result
+from harness.tables import Cell, Number, Table
+
+TABLE = Table(
+    "Title",
+    ("Case", "Error (%)", "Note"),
+    (("case1", Number(1.23456789, 2, signed=True), "a & b"), ("case1", Number(-2.0, 2), "50 %")),
+    ("from here",),
+)
+WIDTHS = (60, 80, 120)
+
+
+def printed(table: Table, width: int | None) -> str:
+    """Return what a terminal of so many characters shows."""
+    file = io.StringIO()
+    wide = table.width() if width is None else width
+    console = Console(file=file, width=wide, highlight=False, markup=False)
+    console.print(table.terminal(width))
+    return file.getvalue()
+
+
+def holds(text: str, table: Table) -> None:
+    """Every number of the table is whole in `text`, and as often; so is every letter."""
+    seen = Counter(text.split())
+    numbers = Counter(
+        str(cell) for row in table.rows for cell in row if isinstance(cell, (int, Number))
+    )
+    cut = {n: (times, seen[n]) for n, times in numbers.items() if seen[n] < times}
+    assert not cut, cut
+    letters = Counter("".join(text.split()))
+    for letter, times in Counter("".join(str(c) for row in table.rows for c in row)).items():
+        assert letter.isspace() or letters[letter] >= times, letter
+    for name in table.columns:
+        assert all(part in text for part in name.split()), name
+    # A line break may fall into a cell of text, never into a number of the file.
+    for row, cells in zip(list(csv.reader(io.StringIO(table.csv())))[1:], table.rows, strict=True):
+        for kept, cell in zip(row, cells, strict=True):
+            if isinstance(cell, Number):
+                assert abs(float(kept) - float(str(cell))) <= 0.51 * 10**-cell.digits
+
+
+@pytest.fixture(scope="module")
+def many_modes() -> Result:
+    return study("table", references="timoshenko@exact,rayleigh@exact", modes="1-12", cases="case1")
+
+
+@pytest.mark.parametrize("width", [*WIDTHS, None])
+def test_twelve_modes_are_whole_at_any_width(many_modes: Result, width: int | None) -> None:
+    for table in many_modes.tables().values():
+        text = printed(table, width)
+        if width is not None:
+            assert max(map(len, text.splitlines())) <= width
+        holds(text, table)
+    assert "135.824" in printed(many_modes.table(), width)
+    blocks = printed(many_modes.table(), width).count("Case ")
+    assert printed(many_modes.table(), width).count("Method") == blocks, "a row is not named"
+    assert "[Hz]" in printed(many_modes.table(), width)
+
+
+WORDS = st.text(st.sampled_from("abc xyz[]()%-_/"), max_size=30)
+CELLS = st.one_of(
+    WORDS,
+    st.integers(-(10**9), 10**9),
+    st.builds(Number, st.floats(-1e7, 1e7), st.integers(0, 6), st.booleans()),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=st.data(), columns=st.integers(1, 15), width=st.sampled_from(WIDTHS))
+def test_no_number_is_cut(data: st.DataObject, columns: int, width: int) -> None:
+    names = tuple(f"c{k} [mm]" for k in range(columns))
+    kinds = [data.draw(st.sampled_from([WORDS, CELLS])) for _ in names]
+    rows = tuple(tuple(data.draw(kind) for kind in kinds) for _ in range(3))
+    text = printed(Table("t", names, rows), width)
+    seen = Counter(text.split())
+    for row in rows:
+        for k, cell in enumerate(row):
+            numeric = any(isinstance(r[k], (int, Number)) for r in rows)
+            if isinstance(cell, (int, Number)) and numeric:
+                assert seen[str(cell)], (str(cell), text)
+    for k in range(columns):
+        assert f"c{k}" in seen and "[mm]" in seen
+
+
+def test_text_rounds_and_files_keep_more() -> None:
+    assert "| case1  |       +1.23 | a & b  |" in TABLE.markdown()
+    assert TABLE.markdown().startswith("## Title\n")
+    assert TABLE.markdown().endswith("- from here\n")
+    assert TABLE.csv().splitlines()[1] == "case1,1.234568,a & b"
+    assert TABLE.to_frame()["Error (%)"].tolist() == [1.23456789, -2.0]
+
+
+def test_latex_escapes() -> None:
+    text = TABLE.latex()
+    assert r"a \& b" in text and r"50 \%" in text and r"Error (\%)" in text
+    assert text.startswith("% Title\n% from here\n\\begin{tabular}")
+
+
+def test_latex_breaks_long_text() -> None:
+    """Columns of long text share the line; numbers and short text stay as they are."""
+    rows = (("case1", Number(1.0), "x" * 41, "y" * 40, "z" * 90),)
+    text = Table("Title", ("Case", "f1", "Long", "Short", "Longer"), rows).latex()
+    assert text.splitlines()[1] == r"\begin{tabular}{lrp{0.40\linewidth}lp{0.40\linewidth}}"
+    assert text.splitlines()[2] == r"\toprule" and text.endswith("\\end{tabular}\n")
+    assert r"\begin{tabular}{lrl}" in TABLE.latex()
+
+
+def test_files_are_all_forms() -> None:
+    assert sorted(TABLE.files("t")) == ["t.csv", "t.md", "t.tex"]
+
+
+@pytest.mark.parametrize("text", ["\x1b[31mred", "two\nlines", "a\tb", "bell\x07"])
+def test_what_would_steer_a_terminal_is_shown_escaped(text: str) -> None:
+    row: tuple[Cell, ...] = (text, Number(1.0))
+    table = Table("t", ("Case", "f"), (row,))
+    for said in (printed(table, 80), table.markdown(), table.csv()):
+        assert text not in said and repr(text)[1:-1] in said
+
+
+@pytest.mark.parametrize("text", ["=1+1", "@sum", "\t=1"])
+def test_no_cell_is_a_formula(text: str) -> None:
+    said = Table("t", ("Case",), ((text,),)).csv().splitlines()[1]
+    assert said.strip('"').startswith("'")
