@@ -200,7 +200,8 @@ function redraw() {
 
 // The plotting library is in the page packed; unpacked it takes longest, so what can be read shows first.
 async function library() {
-  await new Promise((shown) => requestAnimationFrame(() => setTimeout(shown)));
+  // The second frame comes when the first is on the screen.
+  await new Promise((shown) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(shown))));
   const packed = Uint8Array.from(atob($("plotly").textContent), (letter) => letter.charCodeAt(0));
   const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   document.head.append(element("script", await new Response(unpacked).text()));

@@ -208,12 +208,12 @@ def test_on_a_phone_the_navigation_follows(made: Any, opened: Any) -> None:
         assert not page.locator("#sections").is_visible()
         page.locator("#history").scroll_into_view_if_needed()
         page.evaluate("document.getElementById('history').scrollIntoView()")
-        page.wait_for_function("document.getElementById('menu').textContent === 'History'")
+        page.locator("#menu", has_text="History").wait_for()
         assert page.locator("#menu").bounding_box()["y"] < 60, "it is where the reader is"
         page.click("#menu")
         page.click("#sections a[href='#fig3']")
         assert not page.locator("#sections").is_visible()
-        page.wait_for_function("document.getElementById('menu').textContent === 'Fig. 3'")
+        page.locator("#menu", has_text="Fig. 3").wait_for()
 
 
 def test_accessible(made: Any, opened: Any) -> None:
