@@ -8,7 +8,7 @@ from harness.bench import label
 from harness.report import pictures
 from harness.report.material import Material
 from harness.report.section import Json, Section
-from harness.report.verdicts import VERDICTS, verdicts
+from harness.report.verdicts import OTHER, VERDICTS, verdicts
 from harness.studies.table import TableOne, against_print, causes
 from reference_models import Named
 
@@ -69,7 +69,7 @@ def _of(model: Named) -> str:
 
 def _counts(run: Material) -> list[Json]:
     counts = Counter(one["kind"] for one in verdicts(run))
-    return [{"kind": name, "count": counts[name]} for name in VERDICTS if counts[name]]
+    return [{"kind": name, "count": counts[name]} for name in (*VERDICTS, OTHER) if counts[name]]
 
 
 def gate(check: dict[str, Any] | None) -> Json | None:

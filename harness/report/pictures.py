@@ -142,9 +142,16 @@ def _labels(lines: Sequence[Json]) -> list[Json]:
             "x": ends[0][0] + 10,
             "y": round(float(np.mean([y for _, y in ends])), 1),
             "modes": modes,
+            "name": _name(modes),
             "value": f"{low:g} %" if low == high else f"{low:g} to {high:g} %",
         })  # fmt: skip
     return labels
+
+
+def _name(modes: Sequence[int]) -> str:
+    if len(modes) > 2 and modes[-1] - modes[0] == len(modes) - 1:
+        return f"e{modes[0]}-e{modes[-1]}"
+    return ", ".join(f"e{mode}" for mode in modes)
 
 
 def _span(known: Array) -> tuple[float, float]:

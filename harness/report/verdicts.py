@@ -5,19 +5,26 @@ from harness.report.section import Json, Section
 
 KEY, TITLE, MENU = "claims", "The paper's claims, one by one", "Claims"
 VERDICTS = ("fails", "cannot be reproduced", "holds only if", "holds")
-"""Kinds of verdicts, what a reader looks for first."""
+"""Kinds of verdicts as they begin, what a reader looks for first."""
+OTHER = "other"
+FIELDS = ("id", "section", "quoted", "how", "measured", "uncertainty", "verdict", "command")
 
 
 def verdicts(run: Material) -> list[Json]:
-    """Return the claims of the run: every field of each as text."""
+    """Return the claims of the run: each of `FIELDS` as text, and the `kind` of its verdict."""
     part = run.part("claims")
     if part is None:
         return []
     return [
-        {str(name): "" if value is None else str(value) for name, value in row.items()}
+        {name: str(row.get(name) or "") for name in FIELDS} | {"kind": _kind(str(row["verdict"]))}
         for result in part.results.values()
         for row in result.to_frame().to_dict("records")
     ]
+
+
+def _kind(verdict: str) -> str:
+    found = [one for one in VERDICTS if verdict.lower().startswith(one)]
+    return max(found, key=len, default=OTHER)
 
 
 def section(run: Material) -> Section | None:
@@ -38,6 +45,6 @@ def section(run: Material) -> Section | None:
         record = run.ledger.add(f"Claim {claim['id']}", fields, [run.run])
         claim["record"] = record
         claim["verdict"], _, claim["why"] = claim["verdict"].partition(": ")
-    groups = [(kind, [c for c in claims if c["kind"] == kind]) for kind in VERDICTS]
+    groups = [(kind, [c for c in claims if c["kind"] == kind]) for kind in (*VERDICTS, OTHER)]
     context = {"count": len(claims), "groups": [list(group) for group in groups if group[1]]}
     return Section(KEY, TITLE, MENU, run.only("claims"), context)

@@ -28,7 +28,7 @@ if (budget) chart("budget-chart", ["budget-case", "budget-reference", "budget-el
   // The value stands over the bar, where nothing lies under it.
   const top = modes.map((_, i) => here.shares[k].reduce((sum, part) => sum + Math.max(0, part[i] ?? 0), 0));
   data.push({x: modes, y: top.map((y, i) => Math.max(y, (total[i] ?? 0) + (here.band[i] ?? 0))), mode: "text", quiet: true, hoverinfo: "skip",
-    text: total.map((value) => value === null ? "" : `<b>${signed(value, 2)} %</b>`), textposition: "top center",
+    text: total.map((value) => value === null ? "" : `<b>${signed(value, 2)}</b>`), textposition: "top center",
     textfont: {color: css("--ink"), size: 12}, cliponaxis: false});
   const layout = {barmode: "relative", xaxis: {}, yaxis: {title: {text: "share of the error [points]"}}};
   const bars = here.band.some((value) => value !== null) ? " Whiskers: the reference’s own numerical uncertainty." : "";

@@ -98,7 +98,7 @@ def test_budget_adds_up(tab: Any) -> None:
             assert f"with {s} element" in tab.caption("budget-chart")
             assert case in tab.caption("budget-chart")
     written = tab.page.locator("#budget-chart .textpoint").all_text_contents()
-    assert written == [f"{value:+.2f} %" for value in values(total)]
+    assert written == [f"{value:+.2f}" for value in values(total)]
 
 
 def test_work_and_precision(tab: Any, made: Any) -> None:
