@@ -17,6 +17,8 @@ from harness.rows import mode_rows, settings
 from reference_models import Named
 
 R = TypeVar("R", bound=Result)
+FEWEST = 3
+"""Numbers of elements that make a curve."""
 
 
 @dataclass(frozen=True)
@@ -81,16 +83,16 @@ class Material:
         return list(dict.fromkeys([model for model in asked if model in known] + exact))
 
     def families(self, case: Case) -> dict[str, dict[int, Model]]:
-        """Return models with most of the plan's elements, by name and elements; the theory first.
+        """Return models with some of the plan's elements, by name and elements; the theory first.
 
-        A family differs in elements alone.
+        A family differs in elements alone, and has at least `FEWEST` of them.
         """
         found: dict[Named, dict[int, Model]] = {}
         for model in self.models(case):
             if isinstance(model, Named) and model.elements in self.plan.elements:
                 assert isinstance(model.elements, int), "the plan's elements are"
                 found.setdefault(replace(model, elements=None), {})[model.elements] = model
-        least = max(1, len(self.plan.elements) // 2)
+        least = min(FEWEST, len(self.plan.elements))
         own = replace(self.plan.theory, elements=None)
         ordered = sorted(found.items(), key=lambda one: one[0] != own)
         return {

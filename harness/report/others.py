@@ -3,8 +3,11 @@
 from harness.report.material import Material
 from harness.report.section import Section, shown
 
-KEYS = ("refine", "slenderness", "cost", "identify")
-"""Studies that are shown so."""
+MENU = {
+    "refine": "Order and limit", "slenderness": "Slenderness", "cost": "Cost",
+    "identify": "Identification",
+}  # fmt: skip
+"""Studies that are shown so, and what the navigation calls them."""
 
 
 def section(run: Material, name: str) -> Section | None:
@@ -13,7 +16,7 @@ def section(run: Material, name: str) -> Section | None:
     if part is None:
         return None
     if not part.results:
-        return Section(name, part.entry.title, part.entry.title.split(",")[0], run.only(name),
+        return Section(name, part.entry.title, MENU[name], run.only(name),
                        missing=f"not made: {part.why}")  # fmt: skip
     record = run.ledger.add(part.entry.title, {"Command": run.only(name)}, [run.run])
     tables = [
@@ -22,4 +25,4 @@ def section(run: Material, name: str) -> Section | None:
         for table in result.tables().values()
     ]
     context = {"sentences": part.sentences(), "tables": tables}
-    return Section(name, part.entry.title, part.entry.title.split(",")[0], run.only(name), context)
+    return Section(name, part.entry.title, MENU[name], run.only(name), context)

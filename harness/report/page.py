@@ -31,7 +31,7 @@ FORMAT, VERSION = "rps-bench page", 1
 MODULES = ("verdicts", "table_one", "fig3", "budget", "work", "shapes", "provenance")
 """Sections that are made of the run alone, a module of this package each."""
 ORDER = (first.KEY, "claims", "table1", "fig3", "budget", "work-precision", maps.KEY, "shapes",
-         *others.KEYS, history.KEY, "provenance")  # fmt: skip
+         *others.MENU, history.KEY, "provenance")  # fmt: skip
 COMMAND = "rps-bench reproduce"
 
 
@@ -53,7 +53,7 @@ def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
         one for name in MODULES
         if (one := import_module(f"harness.report.{name}").section(run)) is not None
     ]  # fmt: skip
-    found += [one for name in others.KEYS if (one := others.section(run, name)) is not None]
+    found += [one for name in others.MENU if (one := others.section(run, name)) is not None]
     fig3 = next((one for one in found if one.key == "fig3"), None)
     found.append(first.section(run, fig3))
     sections = {one.key: vars(one) for one in found}

@@ -16,10 +16,14 @@ def verdicts(run: Material) -> list[Json]:
     if part is None:
         return []
     return [
-        {name: str(row.get(name) or "") for name in FIELDS} | {"kind": _kind(str(row["verdict"]))}
+        {name: _text(row.get(name)) for name in FIELDS} | {"kind": _kind(str(row["verdict"]))}
         for result in part.results.values()
         for row in result.to_frame().to_dict("records")
     ]
+
+
+def _text(value: object) -> str:
+    return value if isinstance(value, str) else ""
 
 
 def _kind(verdict: str) -> str:

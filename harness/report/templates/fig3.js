@@ -21,7 +21,7 @@ if (fig3) chart("fig3-chart", ["fig3-case", "fig3-theory", "fig3-reference", "fi
     && Math.abs(at(k, i) - at(k, j)) <= 1e-3 * Math.abs(at(k, i)));
   const ends = [fig3.elements[0] - 0.3, fig3.elements.at(-1) + 0.3];
   const data = shown.map((i) => ({
-    name: `e<sub>${i}</sub>`, x: fig3.elements, mode: "lines+markers",
+    name: `e<sub>${i}</sub>`, x: fig3.elements, mode: "lines+markers", connectgaps: true,
     y: fig3.elements.map((_, k) => fit(at(k, i))),
     customdata: fig3.elements.map((_, k) => point(i, k)),
     line: {color: colour(i), width: i % 2 ? 3 : 1.3},
