@@ -43,7 +43,7 @@ def page_files(
     `history`: the folder of the history, None for none; `command` that made the run.
     """
     text = json.dumps(content(plan, parts, command), separators=(",", ":"), allow_nan=False)
-    return {PAGE: render(json.loads(text), history, None), FILE: text.encode()}
+    return {PAGE: _rendered(json.loads(text), history, None), FILE: text.encode()}
 
 
 def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
