@@ -67,6 +67,12 @@ def quoted(text: object) -> str:
     return "'" + str(text).replace("'", "''") + "'"
 
 
+def constant(text: object) -> str:
+    """Return a text that is the same in all rows; as an enumeration it is written once, not hashed
+    for every row, and is a text in the file."""
+    return f"CAST({quoted(text)} AS ENUM({quoted(text)}))"
+
+
 def named(name: str) -> str:
     """Return a column's name as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analytic import InputError
-from harness.history.duck import Params, connect, named, quoted, reason, sink
+from harness.history.duck import Params, connect, constant, named, quoted, reason, sink
 from harness.history.provenance import provenance
 from harness.history.run_file import COLUMNS as COLUMNS
 from harness.history.run_file import checksum, sound_files
@@ -60,7 +60,7 @@ def append_table(
     time = (time or datetime.now(UTC)).astimezone(UTC).replace(tzinfo=None)
     run = f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
     known = {**provenance(), "command": command, "run": run, "time": time}
-    given = {row[0] for row in base.execute(f"DESCRIBE {table}").fetchall()} - {"run", "time"}
+    given = {row[0]: row[1] for row in base.execute(f"DESCRIBE {table}").fetchall()}
     columns = ", ".join(_column(name, kind, given, known) for name, kind in COLUMNS.items())
     with staged(folder, [run], "history") as (temporary,):
         sink(base, f"SELECT {columns} FROM {table}", temporary, ".parquet")
@@ -69,10 +69,17 @@ def append_table(
     return path
 
 
-def _column(name: str, kind: str, given: set[str], known: Mapping[str, object]) -> str:
+def _column(name: str, kind: str, given: Mapping[str, str], known: Mapping[str, object]) -> str:
     """Return a column of a run's file as SQL: from the rows given, or the same in all."""
-    same = quoted(known[name]) if name in known else "NULL"
-    value = f"CAST({named(name) if name in given else same} AS {kind})"
+    if name in ("run", "time") or name not in given:
+        if kind == "VARCHAR" and name in known:
+            return f"{constant(known[name])} AS {named(name)}"
+        value = quoted(known[name]) if name in known else "NULL"
+    elif given[name].startswith("ENUM"):
+        return named(name)
+    else:
+        value = named(name)
+    value = f"CAST({value} AS {kind})"
     if kind == "DOUBLE":
         value = f"CASE WHEN isfinite({value}) THEN {value} END"
     return f"{value} AS {named(name)}"

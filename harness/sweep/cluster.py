@@ -27,6 +27,7 @@ class Cluster:
     def __init__(self, address: str, patience: Patience) -> None:
         try:
             import distributed
+            from dask import config
         except ImportError:
             raise self._refused(
                 address, "Dask: install rps-bench[cluster] here and on the workers"
@@ -40,7 +41,7 @@ class Cluster:
             # First, for a client that cannot read its address is never quite closed.
             dask.comm.get_address_host_port(address)
             # A port that takes a connection and says nothing is waited for as long as is said here.
-            dask.config.set({"distributed.comm.timeouts.connect": REACH})
+            config.set({"distributed.comm.timeouts.connect": REACH})
             self._client = dask.Client(address, timeout=REACH, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -161,10 +161,10 @@ def _scaled(z: Floats, azimuth: Floats, tilt: Floats) -> Pose:
 def _file(path: Path) -> Pose:
     import duckdb
 
-    from harness.history.duck import connect, named, quoted, reason
+    from harness.history.duck import connect, quoted, reason
 
-    if not path.is_file():  # a pipe or a device might never end
-        why = "no regular file" if path.exists() else "No such file or directory"
+    if not path.is_file() or not path.stat().st_size:  # a pipe or a device might never end
+        why = "no regular file, or empty" if path.exists() else "No such file or directory"
         raise InputError(OPTION, str(path), f"a readable file of poses ({why})")
     source = f"read_parquet({quoted(escape(str(path)))})"
     if path.suffix.lower() == ".csv":
@@ -178,13 +178,15 @@ def _file(path: Path) -> Pose:
             if columns is None:
                 expected = " or ".join(", ".join(c) for c in _COLUMNS)
                 raise InputError(f"{OPTION} {path}", found, expected)
-            asked = ", ".join(f"TRY_CAST({named(c)} AS DOUBLE) AS {named(c)}" for c in columns)
-            values = base.execute(f"SELECT {asked} FROM {source}").fetchnumpy()
+            # First as they are: DuckDB would read them as numbers, and refuse what is none.
+            base.execute(f"CREATE TABLE given AS SELECT {', '.join(columns)} FROM {source}")
+            asked = ", ".join(f"TRY_CAST({c} AS DOUBLE) AS {c}" for c in columns)
+            values = base.execute(f"SELECT {asked} FROM given").fetchnumpy()
             for name in columns:
                 value = np.ma.filled(values[name], np.nan)
                 bad = np.flatnonzero(~np.isfinite(value))
                 if bad.size:
-                    sql = f"SELECT {named(name)} FROM {source} LIMIT 1 OFFSET {bad[0]}"
+                    sql = f"SELECT {name} FROM given LIMIT 1 OFFSET {bad[0]}"
                     ((given,),) = base.execute(sql).fetchall()
                     where = f"{OPTION} {path}, {name}, row {bad[0] + 1}"
                     raise InputError(where, given, "a finite number")

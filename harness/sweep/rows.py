@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analytic.model import Model
 from harness.bench import label
-from harness.history.duck import quoted
+from harness.history.duck import constant, named, quoted
 from harness.history.store import append_table
 from harness.rows import SWEEP, mechanism_hash, settings
 from harness.sweep.jobs import Answer, Job
@@ -36,9 +36,10 @@ BY_MODE = ("frequency_hz", "uncertainty_hz")
 Floats = NDArray[np.float64]
 
 
-def rows_table(file: Path, modes: Sequence[int]) -> LongTable:
+def rows_table(sweep: Sweep, file: Path, modes: Sequence[int]) -> LongTable:
     """Return the table of the rows of `file`, still empty."""
-    return LongTable(file, ROWS, BY_MODE, modes)
+    labels = ", ".join(quoted(label(model)) for model in sweep.models)
+    return LongTable(file, ROWS | {"model": f"ENUM({labels})"}, BY_MODE, modes)
 
 
 def fill(
@@ -60,19 +61,31 @@ def keep(
     sweep: Sweep, timings: Mapping[Model, Timing], table: LongTable, folder: Path, command: str
 ) -> None:
     """Append the rows to the history in `folder`; `solve_s` is a median."""
-    per = {label(model): model for model in sweep.models}
-    cases: dict[str, dict[str, Any]] = {
-        "settings": {name: quoted(settings(model, sweep.count)) for name, model in per.items()},
-        "solve_s": {name: timings[model].usual or "NULL" for name, model in per.items()},
-    }
-    more = ", ".join(
-        "CASE model " + " ".join(f"WHEN {quoted(k)} THEN {v}" for k, v in by.items())
-        + f" END AS {column}"
-        for column, by in cases.items()
-    )  # fmt: skip
-    table.base.execute(
-        f'CREATE VIEW records AS SELECT {quoted(SWEEP)} AS "case", *, {more} FROM {TABLE}'
-    )
+    one = len(sweep.models) == 1
+    parts = []
+    for model in sweep.models:
+        timing = timings[model]
+        same = {  # what is the same in all rows of a model need not be read
+            "case": SWEEP,
+            "mechanism": mechanism_hash(sweep.mechanism),
+            "model": label(model),
+            "settings": settings(model, sweep.count),
+            "theory": timing.theories,
+            "version": timing.versions,
+        }
+        texts = {k: min(v) if isinstance(v, frozenset) and len(v) == 1 else v
+                 for k, v in same.items()}  # fmt: skip
+        found = {
+            name: "NULL" if value is None else constant(value)
+            for name, value in texts.items()
+            if not isinstance(value, frozenset)
+        }
+        own = [name for name in ROWS if name not in found]
+        found["solve_s"] = str(timing.usual or "NULL")
+        columns = [*own, *(f"{value} AS {named(name)}" for name, value in found.items())]
+        only = "" if one else f" WHERE model = {quoted(label(model))}"
+        parts.append(f"SELECT {', '.join(columns)} FROM {TABLE}{only}")
+    table.base.execute(f"CREATE VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
     append_table(folder, table.base, "records", command)
 
 

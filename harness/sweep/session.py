@@ -117,7 +117,7 @@ def carry_out(
     Raises `OutputError` where a file cannot be written.
     """
     finished = Finished(sweep)
-    with rows_table(file, modes) as table:
+    with rows_table(sweep, file, modes) as table:
         with ThreadPoolExecutor(1) as writer, finished:
             rows = writer.submit(fill, sweep, journal, finished, modes, table)
             failures, solved = complete(sweep, journal, here, (listener, finished.tell))

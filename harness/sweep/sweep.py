@@ -138,28 +138,30 @@ def answers(
 class Timing:
     """What a model itself took over all runs into a folder: seconds in all, and usually a pose.
 
-    `theories` in words: usually one, but a simulator may have another for another pose.
+    `theories` and `versions` in words: usually one, but a simulator may have others elsewhere.
     """
 
     poses: int
     total: float
     usual: float | None
     theories: frozenset[str]
+    versions: frozenset[str]
 
 
 def timings(sweep: Sweep, journal: Journal) -> dict[Model, Timing]:
     """Return what each model took."""
     found = {}
     for model in sweep.models:
-        poses, each, total, theories = 0, [], 0.0, set()
+        poses, each, total, theories, versions = 0, [], 0.0, set(), set()
         for start, stop in sweep.blocks():
             for job, answer in answers(sweep, journal, model, start, stop):
                 poses += len(job.poses)
                 each.append(answer.seconds / len(job.poses))
                 total += answer.seconds
                 theories.add(answer.theory)
+                versions.add(answer.version)
         usual = float(np.median(each)) if each else None
-        found[model] = Timing(poses, total, usual, frozenset(theories))
+        found[model] = Timing(poses, total, usual, frozenset(theories), frozenset(versions))
     return found
 
 

@@ -1,0 +1,82 @@
+"""`rps-bench sweep` when it is killed, its processes are, its folder is taken or its disk full."""
+
+import os
+import signal
+import time
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+
+from analytic import Mechanism, Pose, condensed_frequencies
+from harness.sweep.engine import AHEAD
+
+
+@pytest.mark.slow
+def test_a_second_sweep_into_the_same_folder_is_refused(slow_sweep: Any) -> None:
+    first = slow_sweep.started()
+    slow_sweep.wait_for(1)
+    first.send_signal(signal.SIGSTOP)  # so that it does not end before the second begins
+    status, _, err = slow_sweep.ended(slow_sweep.started())
+    first.send_signal(signal.SIGCONT)
+    assert status == 2
+    assert "another sweep is running into this folder" in err
+    assert slow_sweep.ended(first)[0] == 0
+    slow_sweep.complete()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", [signal.SIGKILL, signal.SIGINT])
+def test_an_ended_parent_loses_no_finished_job(slow_sweep: Any, ending: signal.Signals) -> None:
+    first = slow_sweep.started()
+    slow_sweep.wait_for(40)
+    children = psutil.Process(first.pid).children()
+    os.kill(first.pid, ending)
+    status, _, err = slow_sweep.ended(first)
+    assert status == (-ending if ending == signal.SIGKILL else 130), err
+    assert "Traceback" not in err
+    psutil.wait_procs(children, timeout=10)
+    assert not any(child.is_running() for child in children)
+    kept = slow_sweep.kept()
+    # Handed out at most, so under way, or answered but not yet kept: kept is what was reported.
+    handed_out = AHEAD * len(os.sched_getaffinity(0))
+    assert slow_sweep.solved() - handed_out <= kept < 150
+    assert not (slow_sweep.output / "frequencies.parquet").exists()
+    rows = slow_sweep.goes_on(kept)
+    poses = Pose(*(rows[name][::4].to_numpy() for name in ("z_m", "azimuth_rad", "tilt_rad")))
+    expected = 1.0001 * condensed_frequencies(Mechanism.paper(), poses, count=4)
+    np.testing.assert_allclose(rows["frequency_hz"], expected.ravel(), rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_workers_killed_at_random_leave_every_row_once(slow_sweep: Any) -> None:
+    process = slow_sweep.started("--tries", "10")
+    random = np.random.default_rng(1)
+    for lines in range(10, 140, 20):
+        slow_sweep.wait_for(lines)
+        time.sleep(random.uniform(0, 0.03))
+        alive = psutil.Process(process.pid).children()
+        os.kill(alive[random.integers(len(alive))].pid, signal.SIGKILL)
+    status, _, err = slow_sweep.ended(process)
+    assert status == 0, err
+    slow_sweep.complete()
+    assert slow_sweep.solved() <= 150 + 7
+
+
+@pytest.mark.slow
+def test_a_full_disk_is_one_sentence_and_loses_nothing(slow_sweep: Any) -> None:
+    """The kernel refuses writes beyond a size, in the journal and then in the rows."""
+    output = slow_sweep.output
+    for size in (60_000, 5_000):
+        limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
+        status, _, err = slow_sweep.ended(slow_sweep.started(before=limit))
+        assert status == 2
+        assert "cannot write there" in err
+        assert len(err.splitlines()) == 1, err
+        assert sorted(path.name for path in output.iterdir() if path.suffix == ".parquet") == []
+        if size == 60_000:
+            kept = slow_sweep.kept()
+            assert 0 < kept < 150
+            slow_sweep.goes_on(kept)
+            (output / "frequencies.parquet").unlink()
