@@ -10,7 +10,7 @@ from analytic.theory import Theory
 from harness.case_file import load_cases
 from harness.cases import Case, select
 from harness.plan import Plan
-from harness.presets import DEFAULTS, PAPER_CASES, in_usual_order, solid_truth
+from harness.presets import DEFAULTS, PAPER_CASES, QUICKEST, in_usual_order, solid_truth
 from harness.request import Request
 from reference_models import Named, UnavailableError, catalogue, parse
 
@@ -55,9 +55,16 @@ def chosen(names: str | None, file: str | None, default: str) -> list[Case]:
 
 
 def models(text: str, argument: str, **settings: Any) -> list[Named]:
-    """Return the models that `text` names, separated by commas; "all": what can run here."""
-    if text == "all":
-        found = in_usual_order(n for n, info in catalogue() if info.isolated and not info.missing)
+    """Return the models that `text` names, separated by commas.
+
+    "all": every simulator that can run here; "usual": those of them that answer within a second.
+    """
+    if text in ("all", "usual"):
+        found = in_usual_order(
+            name
+            for name, info in catalogue()
+            if info.isolated and not info.missing and (text == "all" or name in QUICKEST)
+        )
         if not found:
             raise UnavailableError("no simulator can run here; `rps-bench models` says why")
         return [parse(name, argument, **settings) for name in found]

@@ -12,7 +12,10 @@ from click.core import ParameterSource
 FLAGS = {
     "cases": ("CASE,CASE", "Cases by name; default case1,case2, or all of --case-file."),
     "case_file": ("FILE", "TOML file with mechanisms and cases of your own."),
-    "references": ("A,B", "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate."),
+    "references": (
+        "A,B",
+        "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate; usual, or all.",
+    ),
     "elements": ("S,S", "Elements a limb, as in 1,2,4-8."),
     "modes": ("I,I", "Mode numbers; default 1-6."),
     "model": ("NAME[@S]", "The model under test, with @S elements or @exact."),

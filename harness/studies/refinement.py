@@ -267,7 +267,7 @@ class Refinement(Result):
                 *span,
                 cell(_largest(one.band for one in seen.values()), 4),
                 cell(self._furthest(steps), 4),
-                f"{sum(bool(one.say.remark) for one in seen.values())} of {len(seen)}",
+                f"{_warned(seen.values())} of {len(seen)}",
             ))  # fmt: skip
         columns = ("Model", "Elements", "formal order", "least", "largest order", "GCI [%]",
                    "from its exact limit [%]", "Warnings")  # fmt: skip
@@ -295,7 +295,7 @@ class Refinement(Result):
                 continue
             known = [one.say.order for one in seen.values() if math.isfinite(one.say.order)]
             span = f"{min(known):.2f} to {max(known):.2f}" if known else "not to be read"
-            warned = sum(bool(one.say.remark) for one in seen.values())
+            warned = _warned(seen.values())
             off = self._furthest(steps)
             meets = "" if math.isnan(off) else f"; its limit lies {at_most(off)} from the exact one"
             lines.append(
@@ -359,6 +359,10 @@ def family(steps: Ladder) -> str:
 
 def _meshes(steps: Ladder) -> str:
     return ", ".join(str(model.elements) for model in steps)
+
+
+def _warned(seen: Iterable[Seen]) -> int:
+    return sum(bool(one.say.remark) and not one.say.converged for one in seen)
 
 
 def _largest(values: Iterable[float]) -> float:

@@ -11,7 +11,7 @@ from analytic.model import Model
 from harness import published
 from harness.bench import Bench, Study, label
 from harness.cases import PRESETS, Case
-from harness.causes import exact_chain
+from harness.causes import effects, exact_chain
 from harness.compare import (
     PERCENT,
     at_most,
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 STEM = "table1"
+DEFAULTS = {"references": "usual"}
 AGREES = 0.1
 """Two sets of figures agree if none differs by more than this [%]: ten times Table I's rounding."""
 
@@ -69,6 +70,7 @@ class TableOne(Result):
         if self.readings:
             found["-readings"] = readings_table(self.readings)
             found["-errata"] = errata_table()
+        found["-seen"] = seen_table(self.references)
         return found | {"-provenance": provenance_table(self.study)}
 
     def _table_one(self) -> Table:
@@ -209,6 +211,26 @@ def provenance_table(study: Study) -> Table:
         rows.append((case.name, label(model), modes.theory, modes.version, modes.dofs, closed))
     columns = ("Case", "Model", "Theory", "Version", "dofs", "joint gap [m]")
     return Table("Where the numbers come from", columns, tuple(rows))
+
+
+def seen_table(references: Sequence[Model]) -> Table:
+    """Return what each reference can see, and what it cannot."""
+    rows: list[tuple[Cell, ...]] = []
+    for model in references:
+        info = model.info()
+        warps = "sections that warp" if info.limit else ""
+        blind = [
+            *effects(exact_chain(model)),
+            warps,
+            "" if info.torsion else "limbs that twist alone",
+            info.assumption,
+        ]
+        exact = "" if info.limit else "has no exact limit to be checked by"
+        rows.append((label(model), info.theory, f"{info.program} {info.version}".strip(),
+                     "; ".join(filter(None, blind)) or "-",
+                     "; ".join(filter(None, [exact, info.remark])) or "-"))  # fmt: skip
+    columns = ("Reference", "What it sees of a rod", "Program", "What it does not see", "Remark")
+    return Table("What each reference can see", columns, tuple(rows))
 
 
 def errata_table() -> Table:

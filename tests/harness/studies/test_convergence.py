@@ -1,0 +1,37 @@
+"""Fig. 3 and the discretisation error: the observed order is the formal one."""
+
+import numpy as np
+import pytest
+
+from analytic import Continuum, Substructure
+from harness import published
+from harness.api import study
+from harness.studies.convergence import Convergence
+
+
+@pytest.mark.parametrize(("theory", "order"), [("euler-bernoulli", 4), ("timoshenko", 2)])
+def test_the_discretisation_error_falls_with_the_formal_order(theory: str, order: int) -> None:
+    result = study("convergence", model=theory, references=f"{theory}@exact",
+                   elements="4,8,16,32", cases="case2")  # fmt: skip
+    assert isinstance(result, Convergence) and result.same_theory
+    (case,) = result.errors
+    np.testing.assert_allclose(result.order(case)[-1], order, atol=0.15)
+    exact = Continuum(theory).modes(case.mechanism, case.pose).frequencies
+    ours = Substructure(4, theory).modes(case.mechanism, case.pose).frequencies
+    np.testing.assert_allclose(result.errors[case][0], 100 * (ours / exact - 1), atol=1e-6)
+    assert list(result.tables()) == ["", "-order", "-verification"]
+
+
+def test_the_printed_errors_stand_beside_ours() -> None:
+    result = study("convergence", references="timoshenko@exact", elements="1,2", cases="case1")
+    frame = result.to_frame()
+    quoted = {
+        (row.elements, row.mode): row.printed_percent
+        for row in frame.itertuples()
+        if np.isfinite(row.printed_percent)
+    }
+    printed = published.figure3()
+    assert quoted == {
+        (s, i): value for (case, s, i), value in printed.items() if case == "case1" and s < 3
+    }
+    assert "printed" in result.table().markdown()

@@ -1,0 +1,52 @@
+"""Mode shapes beside each other: same order, same sign, same basis; and their pictures."""
+
+import numpy as np
+import pytest
+
+from harness.bench import Study, run
+from harness.cases import PRESETS
+from harness.figures import picture
+from harness.studies.shapes import Shapes, aligned, tube
+from reference_models import Named
+
+THEORY, REFERENCE = Named("euler-bernoulli", 6), Named("exudyn-cable", 6)
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return run([PRESETS["case1"], PRESETS["case2"]], [THEORY, REFERENCE], 6)
+
+
+@pytest.mark.parametrize("name", ["case1", "case2"])
+def test_a_reference_is_turned_to_the_theory(study: Study, name: str) -> None:
+    """Also the repeated pairs of case 1, whose basis either model is free to choose."""
+    case = PRESETS[name]
+    ours, theirs = study.first(case, THEORY), aligned(study, case, THEORY, REFERENCE)
+    assert ours is not None and theirs is not None
+    size = np.abs(ours.limbs).max(axis=(1, 2, 3))
+    off = np.abs(theirs.limbs - ours.limbs).max(axis=(1, 2, 3)) / size
+    assert off.max() < 2e-3
+    largest = np.abs(ours.platform).max()
+    np.testing.assert_allclose(theirs.platform, ours.platform, atol=2e-3 * largest)
+    np.testing.assert_allclose(theirs.frequencies, ours.frequencies, rtol=1e-5)
+
+
+def test_a_tube_has_its_radius() -> None:
+    line = np.linspace([0.0, 0, 0], [0, 0, 1], 5)
+    x, y, z = tube(line, np.eye(3), 0.05)
+    np.testing.assert_allclose(np.hypot(x, y), 0.05)
+    np.testing.assert_allclose(z, np.broadcast_to(line[:, 2:], z.shape))
+
+
+def test_assurance_of_every_pair_and_a_picture_a_case(study: Study) -> None:
+    result = Shapes(study, THEORY, (REFERENCE,), (1, 4))
+    frame = result.to_frame()
+    assert len(frame) == 2 * 2 * 8  # cases, modes shown, modes of the reference
+    assert (frame[frame["partner"]]["assurance"] > 0.999).all()
+    assert frame.groupby(["case", "mode"])["partner"].sum().eq(1).all()
+    figures = result.figures()
+    assert list(figures) == ["-case1", "-case2", "-assurance-case1-exudyn-cable@6",
+                             "-assurance-case2-exudyn-cable@6"]  # fmt: skip
+    title = figures["-case2"].get_suptitle()
+    assert "drawn as 0.2 of the mean limb length" in title
+    assert len(picture(figures["-case2"], "png")) > 20_000

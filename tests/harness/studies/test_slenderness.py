@@ -1,0 +1,43 @@
+"""Stout rods are where beam theory fails, and by the law that it should."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analytic import Mechanism, Platform, limbs_at
+from harness.bench import Bench
+from harness.cases import PRESETS
+from harness.studies.slenderness import RATIOS, slenderness, with_rods
+from reference_models import Named
+
+EULER, TIMOSHENKO = Named("euler-bernoulli", None), Named("timoshenko", None)
+
+
+@pytest.mark.parametrize("name", ["case1", "case2"])
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_rods_have_the_ratio_asked_for(name: str, ratio: float) -> None:
+    case = with_rods(PRESETS[name], ratio)
+    length = limbs_at(case.mechanism, case.pose).lengths.mean()
+    diameters = [limb.rod.diameter for limb in case.mechanism.limbs]
+    np.testing.assert_allclose(diameters, ratio * length)
+    assert case.mechanism.platform == PRESETS[name].mechanism.platform
+    assert case.name == f"{name} d/L={ratio}"
+
+
+def test_the_error_of_euler_bernoulli_grows_as_the_square() -> None:
+    """Shear enters as (d / L)^2 once the platform outweighs the rods; Timoshenko has it."""
+    case = PRESETS["case1"]
+    heavy = Platform.disc(0.2, 0.02, 7.82e6)
+    case = replace(case, mechanism=Mechanism(case.mechanism.limbs, heavy))
+    reference = Named("exudyn-beam", (12, 24))
+    with Bench() as bench:
+        result = slenderness(
+            [case], (0.025, 0.05, 0.1), (EULER, TIMOSHENKO), reference, (1, 2, 3), bench
+        )
+    assert not result.failures()
+    error = result.errors[case, EULER]
+    np.testing.assert_allclose(error[1:] / error[:-1], 4, rtol=0.005)
+    assert np.abs(result.errors[case, TIMOSHENKO]).max() < 1e-4
+    assert np.isfinite(result.uncertainty[case]).all()
+    assert "At d/L = 0.1 beam theory is up to" in result.sentences()[-1]
