@@ -70,7 +70,7 @@ def null_space(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) 
 
 
 def saddle_point(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
-    """Return the work of `Multipliers` by the saddle point: a limb has 6 (s + 1) coordinates, 8 rows.
+    """Return the work of `Multipliers` by the saddle point: 6 (s + 1) coordinates, 8 rows a limb.
 
     Dense, the augmented matrix is inverted (2 m^3) and one of N is made of M's factor and it
     (2 N^3).
