@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 SOLVERS = ("automatic", "dense", "sparse")
-DENSE = 160
-"""Coordinates up to which LAPACK is quicker than Lanczos; measured, see `tests`."""
+DENSE = 280
+"""Coordinates up to which LAPACK was measured to be quicker than Lanczos: 15 elements, 3 limbs."""
 EXACT = 8
 """Elements up to which rounding of K leaves twelve digits of the lowest modes."""
 

@@ -1,0 +1,118 @@
+"""Counted work of every formulation: what it takes on any machine and in any language.
+
+Floating-point operations are those of the algorithms used here, additions and multiplications
+alike, to their leading terms, for a structure of n limbs:
+
+- dense: of N coordinates, N^3 / 3 (Cholesky) + N^3 (reduction to one matrix) + 4 N^3 / 3
+  (tridiagonal form) + 3 N^2 k (k vectors back); Golub and Van Loan (2013), Sections 4.2, 8.3, 8.7,
+  and LAPACK Working Note 41. The tridiagonal problem itself is of order N k and left out.
+- sparse: of a column with c entries below its pivot, 2 c^2 + c to eliminate and 2 c + 1 entries to
+  store (L and U; Davis 2006, Section 4.1); then `BLOCKS` steps of block Lanczos, each with a
+  solution (2 operations an entry, twice), a product with M and two orthogonalisations.
+
+How far columns reach follows from the chains: a node to the next one, the last one to Phi_A and
+the platform.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+BLOCKS = 5
+"""Steps that block Lanczos takes as a rule, with blocks of two more than the modes wanted."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """`dofs` solved for, `nonzeros` of K, `bytes` of K, M and factors, `flops` of a solution."""
+
+    dofs: int
+    nonzeros: int
+    bytes: int
+    flops: int
+
+
+def substructure(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
+    """Return the work of `Substructure`: 6 s - 2 coordinates a limb and the platform's six."""
+    dofs = limbs * (6 * s - 2) + 6
+    if s == 1:
+        entries, reach = 4 * 4 + 2 * 4 * 6, _falling(4, 6)
+    else:
+        entries = 49 + 144 * (s - 2) + 81 - 36 * (s - 1) + 2 * 9 * 6
+        nodes = _falling(6, 6) * (s - 2) + _falling(6, 9)
+        reach = [6, *nodes, *_falling(3, 6)]
+    nonzeros = limbs * entries + 36
+    if sparse:
+        return _sparse(dofs, nonzeros, reach * limbs + _falling(6, 0), count)
+    return Work(dofs, nonzeros, 2 * 8 * dofs**2, _dense(dofs, count))
+
+
+def null_space(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
+    """Return the work of `Multipliers` by the null space, which is made and applied besides.
+
+    9 n + 6 coordinates are held by 8 n joints' rows. Sparse, what these leave is counted as full.
+    """
+    held, rows = 9 * limbs + 6, 8 * limbs
+    left = held - rows
+    others = limbs * (6 * s - 3)
+    dofs = others + left
+    # Q whole, of held x rows, by Householder's reflections; then N^T A N of two matrices.
+    making = 4 * (held**2 * rows - held * rows**2) + 4 * rows**3 // 3
+    applying = 2 * (2 * (others + held) * held * left + 2 * held * left**2)
+    own = 36 * (s - 1) + 72 * (s - 2) + 36 + 9 if s > 1 else 9
+    beside = 6 * min(s - 1, 2) + 3  # rows of the first and the last node, and of Phi_A
+    nonzeros = limbs * (own + 2 * beside * left) + left**2
+    if sparse:
+        nodes = _falling(6, 6 + left) * (s - 2) + _falling(6, 3 + left) if s > 1 else []
+        reach = (nodes + _falling(3, left)) * limbs + _falling(left, 0)
+        work = _sparse(dofs, nonzeros, reach, count)
+        return Work(dofs, nonzeros, work.bytes, work.flops + making)
+    return Work(dofs, nonzeros, 2 * 8 * dofs**2, _dense(dofs, count) + making + applying)
+
+
+def saddle_point(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
+    """Return the work of `Multipliers` by the saddle point: 6 (s + 1) coordinates, 8 rows a limb.
+
+    Dense, the augmented matrix is inverted (2 m^3) and one of N is made of M's factor and it
+    (2 N^3).
+    """
+    size, rows = limbs * 6 * (s + 1) + 6, 8 * limbs
+    dofs = size + rows
+    nonzeros = limbs * (36 * (s + 1) + 72 * s + 2 * (3 + 2 * 3 + 3 + 3 * 3)) + 36
+    if sparse:
+        nodes = _falling(6, 6 + 5) * s + _falling(6, 5 + 3)
+        reach = nodes * limbs + _falling(6, rows) + _falling(rows, 0)
+        return _sparse(dofs, nonzeros, reach, count)
+    flops = 2 * dofs**3 + _dense(size, count) + size**3
+    return Work(dofs, nonzeros, 8 * (dofs**2 + 2 * size**2), flops)
+
+
+def condensed(limbs: int = 3, count: int = 6) -> Work:
+    """Return the work of `condensed_frequencies` a pose, whatever the number of elements.
+
+    Two bending modes a limb are kept, m = 6 + 2 n coordinates: 9 m^3 for all their vectors (Golub
+    and Van Loan, Section 8.3), and three corrections of `count` modes over 3 n directions.
+    """
+    m, directions = 6 + 2 * limbs, 3 * limbs
+    corrections = 3 * count * directions * (4 * m + 2 * 12)
+    return Work(m, 36 + 4 * limbs * 7, 8 * m**2, 9 * m**3 + corrections)
+
+
+def _falling(size: int, beyond: int) -> list[int]:
+    """Return entries below the pivots of `size` coordinates that reach `beyond` themselves."""
+    return [size - 1 - j + beyond for j in range(size)]
+
+
+def _dense(N: int, count: int) -> int:
+    return 8 * N**3 // 3 + 3 * N**2 * count
+
+
+def _sparse(dofs: int, nonzeros: int, reach: Iterable[int], count: int) -> Work:
+    reach = list(reach)
+    stored = sum(2 * c + 1 for c in reach)
+    elimination = sum(2 * c * c + c for c in reach)
+    block = count + 2
+    step = 2 * stored * block + 2 * nonzeros * block
+    basis = block * BLOCKS
+    orthogonal = 4 * 2 * dofs * basis * block
+    work = elimination + BLOCKS * (step + orthogonal)
+    return Work(dofs, nonzeros, 12 * (2 * nonzeros + stored), work)
