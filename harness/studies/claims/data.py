@@ -1,0 +1,131 @@
+"""The paper's claims as data: results/published/claims.toml, and what a check answers."""
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from types import MappingProxyType
+from typing import Any
+
+from analytic import InputError
+from harness import published
+from harness.studies.claims.facts import Facts
+
+HOLDS = "holds"
+FAILS = "fails"
+ONLY_IF = "holds only if"
+CANNOT = "cannot be reproduced as printed"
+KINDS = (HOLDS, ONLY_IF, CANNOT, FAILS)
+"""What a verdict begins with."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The thresholds of all checks; see claims.toml, [rules]."""
+
+    rounding: float
+    agrees_percent: float
+    significant_percent: float
+    clearly_faster: float
+    exact: float
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement: what is quoted, how it is checked (`check` with `args`), what shows it."""
+
+    id: str
+    section: str
+    quoted: str
+    how: str
+    check: str
+    args: Mapping[str, Any]
+    command: str
+    erratum: str = ""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found, in words made for the measured numbers."""
+
+    measured: str
+    uncertainty: str
+    verdict: str
+
+    def __post_init__(self) -> None:
+        if not self.verdict.startswith(KINDS):
+            raise ValueError(f"a verdict begins with one of {KINDS}, not {self.verdict!r}")
+
+    @property
+    def kind(self) -> str:
+        """The one of `KINDS` that it is."""
+        return next(
+            kind for kind in (ONLY_IF, HOLDS, CANNOT, FAILS) if self.verdict.startswith(kind)
+        )
+
+
+Check = Callable[[Facts, Claim, Rules], Finding]
+CHECKS: dict[str, tuple[Check, tuple[str, ...]]] = {}
+"""By a check's name: the function, and the groups of `Facts` that it reads besides what is printed.
+"""
+
+
+def reads(*groups: str) -> Callable[[Check], Check]:
+    """Return a decorator that adds a check to `CHECKS`."""
+
+    def add(check: Check) -> Check:
+        CHECKS[check.__name__] = (check, groups)
+        return check
+
+    return add
+
+
+@cache
+def rules() -> Rules:
+    """Return the thresholds."""
+    return Rules(**tomllib.loads(published.text("claims.toml"))["rules"])
+
+
+@cache
+def claims() -> tuple[Claim, ...]:
+    """Return all claims in the order of the file; an entry with `over` gives one a combination."""
+    found: list[Claim] = []
+    for entry in tomllib.loads(published.text("claims.toml"))["claim"]:
+        over = entry.pop("over", {})
+        args = entry.pop("args", {})
+        for values in product(*over.values()):
+            own = args | dict(zip(over, values, strict=True))
+            words = own | {"name": own.get("case", "").replace("case", "Case ")}
+            words["printed"] = quoted_number(own)
+            text = {key: value.format(**words) for key, value in entry.items()}
+            found.append(Claim(args=MappingProxyType(own), **text))
+    return tuple(found)
+
+
+def quoted_number(args: Mapping[str, Any]) -> float:
+    """Return the number that a claim with `args` quotes; NaN if it quotes none."""
+    match args:
+        case {"printed": value}:
+            return float(value)
+        case {"quantity": quantity}:
+            return float(published.cost()[quantity])
+        case {"case": case, "mode": mode, "method": method}:
+            return float(published.table1()[case, method][mode - 1])
+        case {"case": case, "mode": mode, "from": few, "to": _}:
+            last = published.table1()[case, "Error (%)"][mode - 1]
+            return float(published.figure3()[case, few, mode] - last)
+        case {"case": case, "mode": mode, "elements": elements}:
+            return published.figure3()[case, elements, mode]
+    return float("nan")
+
+
+def select(ids: Sequence[str]) -> list[Claim]:
+    """Return the claims called `ids`, in the order of the file, or raise `InputError`."""
+    known = {claim.id: claim for claim in claims()}
+    for name in ids:
+        if name not in known:
+            raise InputError(
+                "only", name, f"one of the {len(known)} ids that `rps-bench claims` lists"
+            )
+    return [claim for claim in known.values() if claim.id in ids]

@@ -1,0 +1,160 @@
+"""The paper's equations as printed, put to the test: what `Equations` holds."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from scipy.spatial.transform import Rotation
+
+from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
+from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
+from harness.cases import Case
+from harness.studies.claims.facts import PHI, THETA, Equations, Floats
+
+POSES = 200
+SIZES = range(1, 9)
+STEP = 1e-4
+"""Rotation by which Eq. (10) is differentiated, centrally [rad]."""
+
+
+def printed_rotation(phi: Floats, theta: Floats) -> Floats:
+    """Return R of Eq. (1), letter by letter, shape (n, 3, 3)."""
+    c, s, ct, st = np.cos(phi), np.sin(phi), np.cos(theta), np.sin(theta)
+    mixed = c * ct * s - s * c
+    rows = [
+        [c**2 * ct + s**2, mixed, c * st],
+        [mixed, s**2 * ct + c**2, s * st],
+        [-c * st, -s * st, ct],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def printed_position(r2: float, phi: Floats, theta: Floats) -> tuple[Floats, Floats]:
+    """Return x and y of Eq. (2), each (n,) [m]."""
+    ct = np.cos(theta)
+    return r2 * (ct - 1) * np.cos(2 * phi) / 2, r2 * (1 - ct) * np.sin(2 * phi) / 2
+
+
+def random_poses(count: int) -> Pose:
+    """Return the same `count` poses every time: z 0.35-0.7 m, any azimuth, tilt to 20 degrees."""
+    random = np.random.default_rng(0)
+    z, azimuth = random.uniform(0.35, 0.7, count), random.uniform(-np.pi, np.pi, count)
+    return Pose(z, azimuth, np.radians(random.uniform(-20, 20, count)))
+
+
+@dataclass(frozen=True)
+class Formulas:
+    """What is put to the test: Eqs. (1), (2), J_i of Eq. (10), Eq. (8) and h of Section 2 [m]."""
+
+    rotation: Callable[[Floats, Floats], Floats] = printed_rotation
+    position: Callable[[float, Floats, Floats], tuple[Floats, Floats]] = printed_position
+    arm: Callable[[Floats], Floats] = rigid_arm
+    platform: Callable[[float, float, float], Platform] = Platform.as_printed
+    thickness: float = 0.02
+
+
+def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equations:
+    """Return the residuals of `formulas` and of the model, for the mechanism of `cases`."""
+    mechanism = cases[0].mechanism
+    poses = random_poses(POSES)
+    R = formulas.rotation(poses.azimuth, poses.tilt)
+    r2 = float(np.linalg.norm(mechanism.platform_points[0]))
+    x, y = formulas.position(r2, poses.azimuth, poses.tilt)
+    o = np.stack([x, y, poses.z], axis=-1)
+    # Eq. (3), limb by limb: (poses, n, 3).
+    vectors = o[:, None] + np.einsum("pjk,ik->pij", R, mechanism.platform_points) - mechanism.bases
+    lengths = np.linalg.norm(vectors, axis=-1)
+    level = np.zeros(1)
+    phi_alone = Rotation.from_matrix(formulas.rotation(level + PHI, level)[0])
+    theta = Rotation.from_matrix(formulas.rotation(level, level + THETA)[0]).as_rotvec()
+    headings = np.radians(np.arange(0, 360, 5))
+    # The revolute axis is y of the limb's frame R_i: (headings, poses, n, 3).
+    axes = np.array(
+        [limbs_at(Mechanism.paper(heading=h), poses).frames[..., 1] for h in headings.tolist()]
+    )
+    density = mechanism.limbs[0].rod.material.density
+    plate = formulas.platform(r2, formulas.thickness, density)
+    opened, apart = zip(*(_against_multipliers(case) for case in cases), strict=True)
+    return Equations(
+        rotation=float(
+            max(
+                np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max(),
+                np.abs(np.linalg.det(R) - 1).max(),
+            )
+        ),
+        phi_alone=float(phi_alone.magnitude()),
+        theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
+        beside_plane=float(np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max()),
+        lengths_apart=float(np.abs(lengths - limbs_at(mechanism, poses).lengths).max()),
+        compatibility=_compatibility(mechanism, formulas.arm),
+        freedoms=_freedoms(cases[-1]),
+        sizes={s: _sizes(cases[0], s) for s in SIZES},
+        headings=headings,
+        eq17=np.abs(axes[..., 1]).min(axis=(1, 2)),
+        eq18=np.abs(axes[..., 0]).min(axis=(1, 2)),
+        axis_rise=float(np.abs(axes[..., 2]).max()),
+        axis_motion=float(np.ptp(axes, axis=1).max()),
+        joints_open=max(opened),
+        multipliers_apart=max(apart),
+        multipliers=Multipliers(3).matrices(mechanism, cases[0].pose)[2].shape[0],
+        base_clamped={case.name: _base_clamped(case) for case in cases},
+        moments=np.diag(np.array(plate.inertia)) / plate.mass,
+        thickness=formulas.thickness,
+    )
+
+
+def _compatibility(mechanism: Mechanism, arm: Callable[[Floats], Floats]) -> float:
+    """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
+    worst = 0.0
+    for point in mechanism.platform_points:
+        for k in range(3):
+            turn = STEP * np.eye(3)[k]
+            ends = [Rotation.from_rotvec(sign * turn).apply(point) for sign in (1, -1)]
+            moved = (ends[0] - ends[1]) / (2 * STEP)
+            off = np.abs(arm(point)[:, 3 + k] - moved).max()
+            worst = max(worst, float(off / np.linalg.norm(point)))
+    return worst
+
+
+def _freedoms(case: Case) -> int:
+    """Return 6 less the rank of e_i . (v + omega x a_i) = 0: actuators free, rods rigid."""
+    arms = limbs_at(case.mechanism, case.pose).arms
+    held = np.array([e @ rigid_arm(a) for e, a in zip(case.mechanism.axes, arms, strict=True)])
+    return 6 - int(np.linalg.matrix_rank(held))
+
+
+def _sizes(case: Case, s: int) -> tuple[int, int, int, int]:
+    K, _, C = Multipliers(s).matrices(case.mechanism, case.pose)
+    arm = case.mechanism.platform_points[0]
+    rod = limb_selection(0, len(case.mechanism.limbs), s, arm).shape[0]
+    rank = int(np.linalg.matrix_rank(C.toarray()))
+    return rod, K.shape[0], rank, Substructure(s).matrices(case.mechanism, case.pose)[0].shape[0]
+
+
+def _against_multipliers(case: Case) -> tuple[float, float]:
+    """Return how far modes of Eq. (22) open the joints, and f1-f6 from those with multipliers."""
+    robot, s, n = case.mechanism, 3, len(case.mechanism.limbs)
+    K, M = (A.toarray() for A in Substructure(s).matrices(robot, case.pose))
+    squares, U = scipy.linalg.eigh(K, M, subset_by_index=(0, 5))
+    expanded = independent_coordinates(robot.axes, s) @ U
+    arms = limbs_at(robot, case.pose).arms
+    nodes = [limb_selection(i, n, s, arm) @ expanded for i, arm in enumerate(arms)]
+    u = np.concatenate([*nodes, expanded[-6:]])
+    C = Multipliers(s).matrices(robot, case.pose)[2]
+    opened = np.abs(C @ u).max(axis=0) / np.abs(u).max(axis=0)
+    rival = Multipliers(s, solver="saddle-point").modes(robot, case.pose, 6).frequencies
+    own = np.sqrt(squares) / (2 * np.pi)
+    return float(opened.max()), float(np.abs(own / rival - 1).max())
+
+
+def _base_clamped(case: Case) -> Floats:
+    """Return the relative change of f1-f6 when Phi_Bi = 0 as well."""
+    s, n = 3, len(case.mechanism.limbs)
+    K, M = (A.toarray() for A in Substructure(s).matrices(case.mechanism, case.pose))
+    kept = np.setdiff1d(np.arange(len(K)), (6 * s - 2) * np.arange(n))
+    free, clamped = (
+        scipy.linalg.eigh(K[np.ix_(i, i)], M[np.ix_(i, i)], subset_by_index=(0, 5))[0]
+        for i in (np.arange(len(K)), kept)
+    )
+    return np.asarray(np.sqrt(clamped / free) - 1)
