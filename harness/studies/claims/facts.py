@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from harness.presets import PAPER_MODEL
 from reference_models import Named
 
 Floats = NDArray[np.float64]
@@ -20,8 +21,7 @@ EXACT, RAYLEIGH, TIMOSHENKO = (
 )
 EFFECTS: dict[str, tuple[Named | None, Named | None]] = {
     "number of elements": (None, EXACT),
-    "rotary inertia": (PAPER = PAPER_MODEL
-EXACT, RAYLEIGH),
+    "rotary inertia": (EXACT, RAYLEIGH),
     "shear": (RAYLEIGH, TIMOSHENKO),
     "Timoshenko to reference": (TIMOSHENKO, None),
 }
@@ -155,9 +155,9 @@ class Maps:
 
     `model`, by which they are; `ripple` (3,): largest (max - min) / mean round a circle; `turned`:
     largest relative change under a turn from limb to limb, by `period` [deg]; `steps`, `rising`:
-    steps from layer to layer, and those that do not fall; `z` (n,) [m] and `level` (n,): f1 of the level platform;
-    `volumes`: joint limit [deg] to the volumes of cone and of all circles [rad^2 m]; `limit` [deg]
-    of the maps.
+    steps from layer to layer, and those that do not fall; `z` (n,) [m] and `level` (n,): f1
+    of the level platform; `volumes`: joint limit [deg] to the volumes of cone and of all circles
+    [rad^2 m]; `limit` [deg] of the maps.
     """
 
     model: str

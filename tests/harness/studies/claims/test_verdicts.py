@@ -1,0 +1,155 @@
+"""Every claim's verdict as the models have it, the rules it follows, and the accepted results."""
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from analytic import Material, Mechanism, Platform, Rod
+from harness.cases import PRESETS
+from harness.studies.claims.checks import CHECKS
+from harness.studies.claims.claims import judge
+from harness.studies.claims.data import CANNOT, FAILS, HOLDS, Claim, Finding, claims, rules
+from harness.studies.claims.facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
+from harness.studies.claims.measure import beams, gather
+
+RESULTS = Path(__file__).parents[3] / "results"
+BY_ID = {claim.id: claim for claim in claims()}
+Kind = Callable[[Facts, Claim], str]
+
+
+def every_claim() -> list[Any]:
+    """Claims on the whole workspace take seconds to measure."""
+    slow = pytest.mark.slow
+    return [
+        pytest.param(claim, id=claim.id, marks=slow if "maps" in CHECKS[claim.check].groups else ())
+        for claim in claims()
+    ]
+
+
+@pytest.mark.parametrize("claim", every_claim())
+def test_verdict(
+    claim: Claim, facts_for: Callable[[Claim], Facts], kind: Kind, expected: dict[str, str]
+) -> None:
+    assert kind(facts_for(claim), claim) == expected[claim.id]
+
+
+def finding(facts: Facts, name: str) -> Finding:
+    (checked,), unchecked = judge([BY_ID[name]], facts, {})
+    assert not unchecked
+    return checked.finding
+
+
+def test_a_number_agrees_within_its_rounding_and_the_references_uncertainty(facts: Facts) -> None:
+    assert facts.printed.table["case1", "FEA"][0] == 114.87
+    rounding = rules().rounding
+    for off, own, expected in (
+        (0.99 * rounding, 0.0, HOLDS),
+        (1.01 * rounding, 0.0, CANNOT),
+        (0.99 * (rounding + 0.4), 0.4, HOLDS),
+        (1.01 * (rounding + 0.4), 0.4, CANNOT),
+    ):
+        hertz, uncertainty = {"case1": np.full(6, 114.87 + off)}, {"case1": np.full(6, own)}
+        found = Reference("planted", hertz, uncertainty)
+        planted = replace(facts, fea=found, solid=found)
+        assert finding(planted, "table1-case1-fea-f1").kind == expected
+
+
+def test_references_that_disagree_make_it_a_condition(facts: Facts) -> None:
+    planted = Reference("planted", {"case1": np.full(6, 114.87)}, {"case1": np.zeros(6)})
+    found = finding(replace(facts, fea=planted), "table1-case1-fea-f1")
+    assert found.verdict == "holds only if the finite elements are those of planted"
+
+
+def test_a_mechanism_of_other_stiffness_turns_the_verdict(facts: Facts) -> None:
+    """Frequencies grow with the root of E: so soft a mechanism has the printed f1, and no f3."""
+    assert facts.beams
+    softer = float((115.02 / facts.beams.hertz["case1", PAPER][0]) ** 2)
+    steel = Material(200e9 * softer, 77e9 * softer, 7820)
+    robot = Mechanism.regular(0.3, 0.2, Rod(steel, 0.1), Platform.disc(0.2, 0.02, 7820))
+    soft = beams([replace(PRESETS[name], mechanism=robot) for name in CASES], [])
+    found = {
+        i: finding(replace(facts, beams=soft), f"table1-case1-theoretical-f{i}").kind
+        for i in (1, 2, 3)
+    }
+    assert found == {1: HOLDS, 2: HOLDS, 3: CANNOT}
+
+
+def test_causes_add_up_to_the_error(facts: Facts) -> None:
+    found = finding(facts, "error-case1-f4-s3")
+    totals = [float(x) for x in re.findall(r"([+-][0-9.]+) % against", found.measured)]
+    parts = [float(x) for x in re.findall(r"[+-][0-9.]+(?=[,;]|$)", found.verdict)]
+    assert len(parts) == 8
+    np.testing.assert_allclose([sum(parts[:4]), sum(parts[4:])], totals, atol=2e-3)
+    assert "mostly shear" in found.verdict
+    assert facts.beams
+    coarse = {("case1", PAPER): facts.beams.hertz["case1", "euler-bernoulli@1"]}
+    one_element = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
+    found = finding(replace(facts, beams=one_element), "error-case1-f4-s3")
+    assert "mostly number of elements" in found.verdict
+
+
+@pytest.mark.parametrize("ratio", [0.93, 1.03, 1.19])
+def test_a_busy_machine_does_not_move_the_verdict_on_multipliers(
+    facts: Facts, ratio: float
+) -> None:
+    """The null-space way at ratios it was measured at: one verdict, in the same words."""
+    for saddle in (0.6, 0.7):
+        own = 0.005 * np.array([0.9, 1.0, 1.3])
+        planted = replace(facts, times=Times(own, own / ratio, own / saddle))
+        assert finding(planted, "faster-without-multipliers").verdict == (
+            "holds only if the rival keeps its multipliers as unknowns: against one that solves "
+            "its constraints by their null space it is not clearly faster (0.8 times or less)"
+        )
+    slow = replace(facts, times=Times(own, own / ratio, own / 0.9))
+    assert finding(slow, "faster-without-multipliers").kind == FAILS
+
+
+def test_no_chance_agreement_of_seconds_is_a_verdict(facts: Facts) -> None:
+    """Not even the printed times themselves, of a machine and finite elements that nobody knows."""
+    for fea, times in ((6.16, "8"), (5.0, "6"), (82.0, "100")):
+        planted = FeaTimes(np.full(3, 0.82), {"planted": np.full(3, fea)})
+        here = replace(facts, fea_times=planted)
+        assert finding(here, "time-theoretical").kind == finding(here, "time-fea").kind == CANNOT
+        assert finding(here, "time-saved").verdict == (
+            "holds only if the finite elements take 7.5 times as long as the theory: planted takes "
+            f"about {times} times"
+        )
+    slower = replace(facts, fea_times=FeaTimes(np.full(3, 0.82), {"planted": np.full(3, 0.8)}))
+    for name in ("time-theoretical", "time-fea", "time-saved"):
+        assert finding(slower, name).verdict == (
+            "fails: no finite elements here take longer than the theory"
+        )
+
+
+def test_the_accepted_results_are_these(expected: dict[str, str]) -> None:
+    found = {row["id"]: row for row in json.loads((RESULTS / "claims.json").read_text())}
+    assert list(found) == list(BY_ID)
+    for name, row in found.items():
+        assert row["verdict"].startswith(row["kind"])
+        assert [row[key] for key in ("section", "quoted", "command", "how")] == [
+            getattr(BY_ID[name], key) for key in ("section", "quoted", "command", "how")
+        ]
+        assert row["kind"] == expected[name]
+
+
+@pytest.mark.slow
+def test_real_simulators_give_the_same_verdicts(facts: Facts, expected: dict[str, str]) -> None:
+    """Only timings are left out: a busy machine may change them."""
+    real, missing, _ = gather(["beams", "fea", "solid"])
+    assert not missing
+    chosen = [c for c in claims() if {"fea"} & set(CHECKS[c.check].groups)]
+    found, unchecked = judge(chosen, real, missing)
+    assert found and not unchecked
+    assert {c.claim.id: c.finding.kind for c in found} == {c.id: expected[c.id] for c in chosen}
+    # The accepted frequencies that the quick tests stand on are what comes out.
+    for one, stored in ((real.fea, facts.fea), (real.solid, facts.solid)):
+        assert one and stored and one.label == stored.label
+        for case in CASES:
+            np.testing.assert_allclose(one.hertz[case], stored.hertz[case], rtol=1e-6)
+            assert (one.uncertainty[case] > 0).all()
