@@ -107,7 +107,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
 def _compatibility(mechanism: Mechanism, arm: Callable[[Floats], Floats]) -> float:
     """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
     worst = 0.0
-    for point in mechanism.platform_points:
+    for point in np.array(mechanism.platform_points):  # a copy: rotating needs one to write to
         for k in range(3):
             turn = STEP * np.eye(3)[k]
             ends = [Rotation.from_rotvec(sign * turn).apply(point) for sign in (1, -1)]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from analytic import Mechanism, Platform
+from analytic.substructure import rigid_arm
 from harness.cases import PRESETS
 from harness.studies.claims import equations as claims_equations
-from harness.studies.claims.checks import CHECKS
-from harness.studies.claims.claims import judge
-from harness.studies.claims.data import FAILS, KINDS, Claim, claims
+from harness.studies.claims import judge
+from harness.studies.claims.data import CHECKS, FAILS, KINDS, Claim, claims
 from harness.studies.claims.equations import Formulas, equations, printed_position, printed_rotation
 from harness.studies.claims.facts import CASES, PAPER, Facts, FeaTimes, Reference, Times
 
@@ -22,7 +22,6 @@ SLOW_THEORY = FeaTimes(np.full(3, 7.0), {"planted": np.full(3, 6.16), "other": n
 
 def own_row(facts: Facts, claim: Claim) -> Facts:
     """Print our values: what could not be reproduced then holds."""
-    assert facts.beams and facts.fea
     case, method = claim.args["case"], claim.args["method"]
     ours = {"Theoretical": facts.beams.hertz[case, PAPER], "FEA": facts.fea.hertz[case]}[method]
     rounded = tuple(float(f) for f in np.round(ours, 2))
@@ -59,13 +58,14 @@ def other_rows(facts: Facts, claim: Claim) -> Facts:
 
 def agreeing_references(facts: Facts, claim: Claim) -> Facts:
     """Finite elements of which the printed error would be true."""
-    assert facts.beams
     i, s = claim.args["mode"] - 1, claim.args["elements"]
     case = claim.args["case"]
     quoted = facts.printed.table[case, "Error (%)"][i]
     if "method" not in claim.args:
         quoted = facts.printed.figure3[case, s, i + 1]
-    hertz = {c: facts.beams.hertz[c, f"euler-bernoulli@{s}"] / (1 + quoted / 100) for c in CASES}
+    hertz = {
+        c: facts.beams.hertz[c, replace(PAPER, elements=s)] / (1 + quoted / 100) for c in CASES
+    }
     none = {c: np.zeros(6) for c in CASES}
     return replace(facts, fea=Reference("a", hertz, none), solid=Reference("b", hertz, none))
 
@@ -81,11 +81,10 @@ def with_elements(coarse: int, as_if: int) -> Callable[[Facts, Claim], Facts]:
     """The model with `coarse` elements in place of `as_if`."""
 
     def flip(facts: Facts, claim: Claim) -> Facts:
-        assert facts.beams
         hertz = dict(facts.beams.hertz)
         for case in CASES:
-            label = f"euler-bernoulli@{as_if}"
-            hertz[case, label] = hertz[case, f"euler-bernoulli@{coarse}"]
+            model = replace(PAPER, elements=as_if)
+            hertz[case, model] = hertz[case, replace(PAPER, elements=coarse)]
         return replace(facts, beams=replace(facts.beams, hertz=hertz))
 
     return flip
@@ -93,19 +92,18 @@ def with_elements(coarse: int, as_if: int) -> Callable[[Facts, Claim], Facts]:
 
 def stiffer_single_element(facts: Facts, claim: Claim) -> Facts:
     """One element that is wrong by as much as the significance allows, twice over."""
-    assert facts.beams
     hertz = dict(facts.beams.hertz)
-    hertz["case1", "euler-bernoulli@1"] = 1.02 * hertz["case1", "euler-bernoulli@1"]
+    one = ("case1", replace(PAPER, elements=1))
+    hertz[one] = 1.02 * hertz[one]
     return replace(facts, beams=replace(facts.beams, hertz=hertz))
 
 
 def other_fall(facts: Facts, claim: Claim) -> Facts:
     """Case 1: print our own fall of f1. Case 2: two elements in place of one."""
-    assert facts.beams
     case = claim.args["case"]
     if case == "case2":
         return with_elements(2, 1)(facts, claim)
-    one, three = (facts.beams.hertz[case, f"euler-bernoulli@{s}"][0] for s in (1, 3))
+    one, three = (facts.beams.hertz[case, replace(PAPER, elements=s)][0] for s in (1, 3))
     fall = 100 * (one / three - 1)
     figure3 = dict(facts.printed.figure3)
     figure3[case, 1, 1] = facts.printed.table[case, "Error (%)"][0] + fall
@@ -114,14 +112,12 @@ def other_fall(facts: Facts, claim: Claim) -> Facts:
 
 def tilted(facts: Facts, claim: Claim) -> Facts:
     """Case 2's frequencies in place of the symmetric pose's."""
-    assert facts.beams
     hertz = dict(facts.beams.hertz) | {("case1", PAPER): facts.beams.hertz["case2", PAPER]}
     return replace(facts, beams=replace(facts.beams, hertz=hertz))
 
 
 def lengths(**spans: tuple[float, float]) -> Callable[[Facts, Claim], Facts]:
     def flip(facts: Facts, claim: Claim) -> Facts:
-        assert facts.beams
         named = {name.replace("_", "-"): span for name, span in spans.items()}
         found = dict(facts.beams.lengths) | named
         return replace(facts, beams=replace(facts.beams, lengths=found))
@@ -131,7 +127,6 @@ def lengths(**spans: tuple[float, float]) -> Callable[[Facts, Claim], Facts]:
 
 def one_height_for_both(facts: Facts, claim: Claim) -> Facts:
     """Print both rows of our model at one and the same height."""
-    assert facts.beams
     for case in CASES:
         row = tuple(float(f) for f in facts.beams.scan[case][300])
         facts = print_row(facts, case, "Theoretical", row)
@@ -150,7 +145,6 @@ def thin_rods(facts: Facts, claim: Claim) -> Facts:
 
 def never_the_same(facts: Facts, claim: Claim) -> Facts:
     """A Timoshenko beam whose shear does not vanish with its diameter."""
-    assert facts.slender
     more = facts.slender.frequencies + 0.2
     return replace(facts, slender=replace(facts.slender, frequencies=more))
 
@@ -160,8 +154,8 @@ def wrong(which: str) -> Callable[[Facts, Claim], Facts]:
     formulas = {
         "rotation": Formulas(rotation=lambda phi, theta: printed_rotation(phi, theta) + 0.01),
         "angles": Formulas(rotation=_about_x_and_y),
-        "position": Formulas(position=lambda *a: tuple(2 * v for v in printed_position(*a))),  # type: ignore[arg-type,return-value]
-        "arm": Formulas(arm=lambda a: claims_equations.rigid_arm(-a)),
+        "position": Formulas(position=lambda *a: tuple(2 * v for v in printed_position(*a))),
+        "arm": Formulas(arm=lambda a: rigid_arm(-a)),
         "platform": Formulas(platform=Platform.disc),
     }[which]
     return lambda facts, claim: replace(facts, equations=equations(TABLE, formulas))
@@ -179,7 +173,6 @@ def equation_facts(change: Callable[[Any], dict[str, Any]]) -> Callable[[Facts, 
     """Other residuals, of a model that `change` describes."""
 
     def flip(facts: Facts, claim: Claim) -> Facts:
-        assert facts.equations
         return replace(facts, equations=replace(facts.equations, **change(facts.equations)))
 
     return flip
@@ -215,7 +208,6 @@ def timings(**given: Any) -> Callable[[Facts, Claim], Facts]:
 
 def map_facts(change: Callable[[Any], dict[str, Any]]) -> Callable[[Facts, Claim], Facts]:
     def flip(facts: Facts, claim: Claim) -> Facts:
-        assert facts.maps
         return replace(facts, maps=replace(facts.maps, **change(facts.maps)))
 
     return flip
@@ -272,7 +264,7 @@ def every_claim() -> list[Any]:
     """Claims on the whole workspace take seconds to measure."""
     slow = pytest.mark.slow
     return [
-        pytest.param(claim, id=claim.id, marks=slow if "maps" in CHECKS[claim.check].groups else ())
+        pytest.param(claim, id=claim.id, marks=slow if "maps" in CHECKS[claim.check][1] else ())
         for claim in claims()
     ]
 

@@ -1,0 +1,154 @@
+"""The study of claims: what it quotes, measures and says; what it cannot check is no verdict."""
+
+from dataclasses import replace
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+
+from analytic import InputError
+from harness import published
+from harness.bench import Bench
+from harness.cases import PRESETS
+from harness.plan import Plan
+from harness.studies import claims as study
+from harness.studies.claims import Claims, judge, measure, needed
+from harness.studies.claims.data import Claim, claims, select
+from harness.studies.claims.facts import GROUPS, PAPER, Facts
+from harness.studies.claims.measure import gather
+from harness.text import request
+from reference_models import Named, UnavailableError
+
+
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_what_is_quoted_is_what_is_printed(claim: Claim) -> None:
+    number = {"name-3-prs": "3-PRS"}.get(claim.id, "")
+    if isinstance(claim.args.get("printed"), float):
+        number = f"{claim.args['printed']:g}"
+    elif claim.args.get("quantity"):
+        number = f"{published.cost()[claim.args['quantity']]:.2f}"
+    elif claim.args.get("method"):
+        row = published.table1()[claim.args["case"], claim.args["method"]]
+        number = f"{row[claim.args['mode'] - 1]:.2f}"
+    assert number in claim.quoted
+    # A bar would end a cell of a Markdown table.
+    assert "|" not in claim.quoted + claim.how + claim.command
+    assert claim.section and claim.how and "{" not in claim.id + claim.quoted + claim.command
+    assert claim.erratum in {"", *(erratum.id for erratum in published.errata())}
+
+
+def test_its_command_can_be_run() -> None:
+    """Every command is one of the program's, with arguments that the study can read."""
+    from harness.cli.study import study_command
+    from harness.studies import find
+
+    for claim in claims():
+        program, name, *arguments = claim.command.split()
+        assert program == "rps-bench"
+        command = study_command(name)
+        context = command.make_context(name, arguments)
+        texts: dict[str, Any] = {
+            key: value for key, value in context.params.items() if isinstance(value, str)
+        }
+        asked = request(find(name).load(), texts)
+        if name == "claims":
+            assert [one.id for one in asked.options["only"]] == [claim.id]
+    assert isinstance(command, click.Command)
+
+
+def run(only: str, bench: Bench) -> Claims:
+    return study.run(request(study, {"only": only}), bench)
+
+
+def test_a_frame_is_what_the_page_reads(bench: Bench) -> None:
+    result = run("eq2-plane,table1-case1-error-f2", bench)
+    frame = result.to_frame()
+    assert frame["id"].tolist() == ["eq2-plane", "table1-case1-error-f2"]
+    wanted = {"id", "section", "quoted", "measured", "uncertainty", "verdict", "command", "kind"}
+    assert wanted <= set(frame.columns)
+    assert frame["verdict"][1].startswith("holds only if the frequencies had more digits")
+    assert result.failures() == {} and result.figures() == {}
+
+
+def test_table_and_sentences(bench: Bench) -> None:
+    result = run("table1-case2-error-f6,time-saved-follows,eq21-blocks", bench)
+    table = result.table()
+    assert [row[-2] for row in table.rows] == result.to_frame()["verdict"].tolist()
+    assert table.notes[0] == "1 holds; 1 holds only if; 0 cannot be reproduced as printed; 1 fails"
+    first, fails = result.sentences()
+    assert first.startswith("Of 3 statements of the paper: 1 holds, ")
+    assert fails.startswith("table1-case2-error-f6: fails: the printed rows give 4.06 %")
+    assert list(result.tables()) == [""]
+    many = replace(result, found=result.found * 5)
+    assert [len(t.columns) for t in many.tables().values()] == [7, 4]
+
+
+def test_what_a_claim_does_not_need_is_not_measured(bench: Bench) -> None:
+    assert needed(select(["time-saved-follows"])) == []
+    assert needed(select(["eq2-plane", "circular-symmetry"])) == ["equations", "maps"]
+    assert set(needed(claims())) == set(GROUPS)
+    assert run("time-saved-follows", bench).rows() == []
+
+
+def test_an_unknown_claim_is_named() -> None:
+    with pytest.raises(InputError, match=r"^only = 'eq99' is not valid: expected one of the 98"):
+        request(study, {"only": "eq99"})
+
+
+def test_claims_are_about_the_paper_alone() -> None:
+    plan = Plan((PRESETS["case1"],), PAPER, ())
+    assert list(study.jobs(plan)) == ["claims"]
+    assert study.jobs(replace(plan, case_file=True)) == {}
+    assert "case_file" not in study.TAKES and "--case-file do not apply" in str(study.run.__doc__)
+
+
+def test_what_is_solved_is_rows_of_the_history(bench: Bench) -> None:
+    rows = run("slender-members", bench).rows()
+    # Six slendernesses, the last of which is the paper's own in one of the cases.
+    assert {row["model"] for row in rows} == {"euler-bernoulli@exact", "timoshenko@exact"}
+    assert len({row["mechanism"] for row in rows}) == 12 and len(rows) == 2 * 6 * 2 * 6
+
+
+def test_rows_are_what_verdicts_rest_on(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measure, "ROUNDS", 1)
+    facts, missing, rows = gather(["beams", "times"], bench)
+    assert not missing
+    for case, (_, hertz) in facts.beams.readings.items():
+        label = PRESETS[case].theory.label
+        one = {
+            r["mode"]: r["frequency_hz"]
+            for r in rows
+            if r["case"] == case and r["model"] == label and '"count": 8}' in r["settings"]
+        }
+        np.testing.assert_array_equal([one[i + 1] for i in range(6)], hertz)  # fmt: skip
+    scan = [r["frequency_hz"] for r in rows if r["case"] == "map" and r["tilt_rad"] == 0]
+    np.testing.assert_array_equal(np.reshape(scan, (-1, 6)), facts.beams.scan["case1"])
+    timed = [r for r in rows if '"timed": "claims"' in r["settings"]]
+    assert {r["model"] for r in timed} == {
+        PAPER.label, "multipliers@3[solver=null-space]", "multipliers@3[solver=saddle-point]",
+    }  # fmt: skip
+    assert all(r["solve_s"] > 0 for r in timed)
+    assert all((getattr(facts.times, name) > 0).all() for name in ("own", "null_space"))
+
+
+def test_what_was_not_measured_leaves_its_claims_unchecked(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def gone(*_: Any) -> Any:
+        raise UnavailableError("no solid can run here")
+
+    monkeypatch.setattr(measure, "_solid", gone)
+    facts, missing, _ = gather(["solid"], bench)
+    assert missing == {"solid": "no solid can run here"}
+    found, unchecked = judge(select(["time-saved-follows", "table1-case1-fea-f1"]), facts, missing)
+    assert [one.claim.id for one in found] == ["time-saved-follows"]
+    assert Claims(tuple(found), unchecked).failures() == {
+        "table1-case1-fea-f1": "no solid can run here"
+    }
+
+
+def test_a_simulator_that_fails_is_no_fact(bench: Bench) -> None:
+    with pytest.raises(measure.UnmeasuredError, match="exudyn-cable@0"):
+        measure.reference([PRESETS["case1"]], Named("exudyn-cable", 0), bench, [])
+    assert Facts(measure.printed()).beams is None
