@@ -71,10 +71,6 @@ class TabledLimb:
         """Return the `count` lowest modes at one pose; raises as `SolidLimb.frequencies`."""
         return self.limb().modes(mechanism, pose, count)
 
-    def uncertainty(self, mechanism: Mechanism, poses: Pose, frequencies: Array) -> Array:
-        """Return the tables' error of `frequencies` [Hz], both (N, count), at N poses."""
-        return self.limb().uncertainty(mechanism, poses, frequencies)
-
     def limb(self, folder: Path | None = None) -> SolidLimb:
         """Return the limb's tables as a model; `folder`: where they are kept instead."""
         return _limb(self, default_folder() if folder is None else folder)

@@ -35,7 +35,7 @@ from harness.studies.precision import SOLVERS, timed_rows
 from harness.studies.slenderness import with_rods
 from harness.studies.workspace import whole
 from harness.studies.workspace.checks import largest_ripple, rises, turned
-from harness.studies.workspace.fields import Region, answer_rows, solve
+from harness.studies.workspace.map import Region, solve
 from harness.timing import Timed, Way, time_ways
 from reference_models import Named, UnavailableError, parse
 
@@ -127,10 +127,10 @@ def beams(cases: Sequence[Case], bench: Bench, solved: list[Row]) -> Beams:
     scan = {}
     for case in cases:
         poses = Pose(scan_z, case.pose.azimuth, case.pose.tilt)
-        answers = solve(bench, PAPER, case.mechanism, poses, MODES)
+        answers = solve(PAPER, case.mechanism, poses, MODES, bench)
         if answers.failures:
             raise UnmeasuredError("; ".join(answers.failures.values()))
-        solved += answer_rows(answers, PAPER, case.mechanism)
+        solved += answers.rows(PAPER, case.mechanism, poses)
         scan[case.name] = answers.frequencies
     shown = [*PRESETS.values(), *cases]
     lengths = {case.name: limbs_at(case.mechanism, case.pose).lengths for case in shown}
@@ -241,7 +241,7 @@ def maps(case: Case, bench: Bench, solved: list[Row]) -> Maps:
     """Return the regular workspace of a case's mechanism and the paper's f1-f3 in it."""
     limits, limbs = Limits(), len(case.mechanism.limbs)
     region = Region.of(case.mechanism, limits)
-    data = whole(bench, region, PAPER, 3)
+    data = whole(region, PAPER, 3, bench)
     if data.answers.failures:
         raise UnmeasuredError("; ".join(data.answers.failures.values()))
     solved += data.rows()

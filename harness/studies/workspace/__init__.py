@@ -155,7 +155,7 @@ class Workspace(Result):
 
     def failures(self) -> dict[str, str]:
         """Return the poses without an answer, and why."""
-        return self.map.answers.failures
+        return self.fine.answers.failures | self.map.answers.failures
 
 
 def workspace(
@@ -178,8 +178,14 @@ def workspace(
     if isolated:
         return Workspace(drawn, drawn, shown)
     # A batch is cheap enough to check the statements at every height, not only those drawn.
-    every = Grid.of(region, region.circles.z, azimuths, tilts)
-    return Workspace(drawn, workspace_map(region, every, model, max(shown), bench), shown)
+    return Workspace(drawn, whole(region, model, max(shown), bench, (azimuths, tilts)), shown)
+
+
+def whole(
+    region: Region, model: Model, count: int, bench: Bench, size: tuple[int, int] = BATCHED
+) -> WorkspaceMap:
+    """Return the frequencies at all heights of a region: what the statements are checked on."""
+    return workspace_map(region, Grid.of(region, region.circles.z, *size), model, count, bench)
 
 
 def run(request: Request, bench: Bench) -> Workspace:

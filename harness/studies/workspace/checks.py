@@ -25,6 +25,14 @@ def ripple(data: WorkspaceMap) -> Floats:
     return np.asarray((f.max(axis=1) - f.min(axis=1)) / f.mean(axis=1))
 
 
+def largest_ripple(data: WorkspaceMap) -> Floats:
+    """Return each mode's largest ripple over complete circles, (count,); NaN without any."""
+    rings = ripple(data)[:, 1:]  # a level platform has no azimuth
+    complete = np.isfinite(rings).all(axis=-1)
+    nothing = np.full(rings.shape[-1], np.nan)
+    return np.asarray(rings[complete].max(axis=0)) if complete.any() else nothing
+
+
 def turned(data: WorkspaceMap, turns: int) -> float:
     """Return the largest relative change when the azimuth turns by 360 / `turns` degrees."""
     f = data.frequencies
@@ -159,11 +167,10 @@ def verdicts(region: Region, data: WorkspaceMap, shown: Sequence[int]) -> list[s
 
 def _symmetry(data: WorkspaceMap, shown: Sequence[int]) -> str:
     said = '"Circularly symmetrical"'
-    rings = ripple(data)[:, 1:]  # a level platform has no azimuth
-    complete = np.isfinite(rings).all(axis=-1)
-    if not complete.any():
+    most = largest_ripple(data)
+    if not np.isfinite(most).all():
         return f"{said}: not checked, for no circle of one tilt is complete."
-    largest = {i: float(rings[complete, i - 1].max()) for i in shown}
+    largest = {i: float(most[i - 1]) for i in shown}
     limbs = len(data.region.mechanism.limbs)
     change = turned(data, limbs)
     if max(largest.values()) < ROUNDING:

@@ -14,9 +14,12 @@ from harness.bench import Bench, label
 from harness.cases import Case
 from harness.rows import MAP, mode_rows, settings
 from harness.workers import Failure
+from reference_models import ModelError
 
 Floats = NDArray[np.float64]
 
+ASCENDING = 1e-9
+"""Relative fall of a frequency below the one before it that is rounding of a repeated one."""
 PROFILE = 41
 """Heights at which the inscribed circles are found, from the lowest to the highest."""
 
@@ -120,6 +123,48 @@ class Answers:
     seconds: float | None
     failures: dict[str, str]
 
+    def rows(self, model: Model, mechanism: Mechanism, poses: Pose) -> list[dict[str, Any]]:
+        """Return one row a pose and mode for the history, of the `poses` solved."""
+        count = self.frequencies.shape[1]
+        how, name = settings(model, count), label(model)
+        result: list[dict[str, Any]] = []
+        for i, pose in enumerate(poses):
+            modes = self.modes[i if self.seconds is None else 0]
+            if modes is None or not np.isfinite(self.frequencies[i]).all():
+                continue
+            if self.seconds is not None:
+                modes = replace(
+                    modes, frequencies=self.frequencies[i],
+                    uncertainty=None, residual=None,
+                    build_seconds=0.0, solve_seconds=self.seconds,
+                )  # fmt: skip
+            result += mode_rows(Case(MAP, mechanism, pose, ""), name, how, modes, count)
+        return result
+
+
+@dataclass(frozen=True)
+class Many:
+    """The `count` lowest frequencies of a model at many poses in one call."""
+
+    model: Model
+    mechanism: Mechanism
+    poses: Pose
+    count: int
+
+    def solve(self) -> tuple[Floats, float]:
+        """Return them, (n, count) [Hz], and the seconds a pose; `ModelError` if they are none."""
+        ask, shape = self.model.frequencies, (len(self.poses), self.count)
+        began = perf_counter()
+        found = np.asarray(ask(self.mechanism, self.poses, self.count), dtype=float)
+        seconds = (perf_counter() - began) / len(self.poses)
+        if found.shape != shape:
+            raise ModelError(f"its frequencies have shape {found.shape}, not {shape}")
+        if not np.isfinite(found).all() or (found < 0).any():
+            raise ModelError("its frequencies are not all finite and none below zero")
+        if (np.diff(found) < -ASCENDING * found[:, :-1]).any():
+            raise ModelError("its frequencies do not ascend")
+        return found, seconds
+
 
 @dataclass(frozen=True)
 class WorkspaceMap:
@@ -140,22 +185,8 @@ class WorkspaceMap:
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row a pose and mode for the history: a level platform once a layer."""
-        found, count = self.answers, self.frequencies.shape[-1]
         poses = self.grid.pose(*np.nonzero(self.grid.wanted))
-        how, mechanism = settings(self.model, count), self.region.mechanism
-        name = label(self.model)
-        result: list[dict[str, Any]] = []
-        for i, pose in enumerate(poses):
-            modes = found.modes[i if found.seconds is None else 0]
-            if modes is None or not np.isfinite(found.frequencies[i]).all():
-                continue
-            if found.seconds is not None:
-                modes = replace(
-                    modes.first(count), frequencies=found.frequencies[i], uncertainty=None,
-                    build_seconds=0.0, solve_seconds=found.seconds,
-                )  # fmt: skip
-            result += mode_rows(Case(MAP, mechanism, pose, ""), name, how, modes, count)
-        return result
+        return self.answers.rows(self.model, self.region.mechanism, poses)
 
 
 def workspace_map(
@@ -185,11 +216,12 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
         if isinstance(first, Failure):
             return _failed(model, poses, count, first.reason)
         bench.listener.expect(1)
-        began = perf_counter()
-        found = np.asarray(model.frequencies(mechanism, poses, count))
-        seconds = (perf_counter() - began) / len(poses)
+        found = bench.call(Many(model, mechanism, poses, count), isolated=False)
         bench.listener.done(f"{label(model)} at {len(poses)} poses")
-        return Answers(found, (first,), seconds, {})
+        if isinstance(found, Failure):
+            return _failed(model, poses, count, found.reason)
+        assert isinstance(found, tuple)
+        return Answers(found[0], (first,), found[1], {})
     bench.listener.expect(len(poses))
     answers: list[Modes | None] = []
     frequencies, failures = np.full((len(poses), count), np.nan), {}
