@@ -12,12 +12,26 @@ class InputError(ValueError):
     def __init__(self, argument: str, value: object, expected: str) -> None:
         super().__init__(f"{argument} = {_shown(value)}: expected {expected}")
 
+    def __reduce__(self) -> Any:
+        """Return how another process makes this error: by its sentence."""
+        return _said, (type(self), str(self))
+
 
 class NotCertifiedError(ValueError):
     """A number that double precision cannot bound as closely as promised, said in one sentence."""
 
     def __init__(self, what: str) -> None:
         super().__init__(f"double precision cannot certify {what}")
+
+    def __reduce__(self) -> Any:
+        """Return how another process makes this error: by its sentence."""
+        return _said, (type(self), str(self))
+
+
+def _said(kind: type[ValueError], sentence: str) -> ValueError:
+    error = kind.__new__(kind)
+    ValueError.__init__(error, sentence)
+    return error
 
 
 def _shown(value: object) -> str:

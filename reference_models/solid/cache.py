@@ -20,6 +20,7 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
+from reference_models.folder import default_folder
 from reference_models.solid.limb import SolidLimb
 from reference_models.solid.ngsolve import NgsolveSolid, held_rods
 from reference_models.solid.table import LimbTable
@@ -99,12 +100,6 @@ def _limb(model: TabledLimb, where: Path) -> SolidLimb:
         return known
 
     return SolidLimb(tables, rods.theory, f"ngsolve {version('ngsolve')}", model.elements)
-
-
-def default_folder() -> Path:
-    """Return the user's cache folder, as the XDG base directories name it."""
-    root = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(root) / "rps-bench"
 
 
 def _read(path: Path) -> LimbTable | None:

@@ -12,6 +12,7 @@ import pytest
 from analytic import InputError, Material, Mechanism, Platform, Pose, Rod
 from analytic.pairing import pair
 from reference_models import UnavailableError, parse, reference
+from reference_models.folder import default_folder
 from reference_models.solid import cache
 from reference_models.solid.cache import CacheWarning, TabledLimb
 from reference_models.solid.limb import SolidLimb
@@ -234,9 +235,9 @@ def test_a_folder_that_cannot_be_written_costs_only_the_file(
 
 def test_the_users_cache_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache.default_folder() == tmp_path / "rps-bench"
+    assert default_folder() == tmp_path / "rps-bench"
     monkeypatch.delenv("XDG_CACHE_HOME")
-    assert cache.default_folder() == Path.home() / ".cache" / "rps-bench"
+    assert default_folder() == Path.home() / ".cache" / "rps-bench"
 
 
 def test_misuse_is_named(model: SolidLimb, robot: Mechanism, case2: Pose) -> None:
