@@ -24,6 +24,8 @@ LAYERS, HEIGHT = (0.35, 0.49, 0.7), 0.49
 """Heights of the map [m] where the first case is at `HEIGHT`; in proportion elsewhere."""
 AROUND, TILTS = 4, 3
 """Azimuths of the map for each limb, so that every one's turns by a limb are among them; tilts."""
+LEAST = 0.01
+"""Tilt of a map's rim [rad] below which there is nothing to map."""
 NOT_ASKED = "not asked for"
 _SHORTEST, _LONGEST = Limits().length_min, Limits().length_max
 
@@ -127,6 +129,9 @@ def workspace_cases(mechanism: Mechanism, z: float) -> tuple[Case, ...]:
     scale = z / HEIGHT
     limits = Limits(_SHORTEST * scale, _LONGEST * scale)
     region = regular_workspace(mechanism, [scale * layer for layer in LAYERS], limits)
+    if region.radii.min() < LEAST:
+        # Of four limbs and more the joints close at some azimuths only.
+        raise InputError("mechanism", f"{len(mechanism.limbs)} limbs", "one that tilts any way")
     grid = region.grid(AROUND * len(mechanism.limbs), TILTS)
     flat = [np.broadcast_to(x, grid.shape).ravel() for x in (grid.z, grid.azimuth, grid.tilt)]
     return tuple(Case(_place(pose), mechanism, pose, "regular workspace") for pose in Pose(*flat))

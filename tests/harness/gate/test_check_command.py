@@ -8,8 +8,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+from analytic import Mechanism, Platform, Pose
 from harness.accepted import SHOWN
-from harness.cases import PRESETS
+from harness.cases import PRESETS, Case
 from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history
@@ -82,15 +83,15 @@ def test_from_the_first_baseline_to_a_reason(
 def test_a_baseline_of_ones_own_mechanism(
     rps_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Four limbs, a tenth of the size: made, kept, and not mixed up with another mechanism."""
+    """A tenth of the size: made, kept, and not mixed up with another mechanism."""
     monkeypatch.chdir(tmp_path)
     text = (
-        "[mechanisms.mine]\nlimbs = 4\nbase_radius_mm = 30\nplatform_radius_mm = 20\n"
+        "[mechanisms.mine]\nheading_deg = 10\nbase_radius_mm = 30\nplatform_radius_mm = 20\n"
         "platform_thickness_mm = 2\nrod_diameter_mm = 10\nyoung_GPa = 200\nshear_GPa = 77\n"
         'density_kg_m3 = 7820\n[cases.low]\nmechanism = "mine"\nz_mm = 49\ntilt_deg = -12\n'
     )
     Path("mine.toml").write_text(text)
-    asked = ("--case-file", "mine.toml", "--models", "exudyn-cable,condensed", "--history", "none")
+    asked = ("--case-file", "mine.toml", "--models", "exudyn-cable", "--history", "none")
     missing = rps_bench("check", *asked)
     assert missing.status == 2 and "a folder for the figures of your own cases" in missing.err
     assert rps_bench("accept", *asked, "--baseline", "own").status == 0
@@ -98,7 +99,7 @@ def test_a_baseline_of_ones_own_mechanism(
     assert clean.status == 0, clean.out
     said = json.loads(Path("out/check.json").read_text())
     assert {one["name"] for one in said["properties"]} >= {
-        "90 deg symmetry",
+        "120 deg symmetry",
         "s -> infinity is exact",
     }
     lines = Path("own/frequencies.csv").read_text().splitlines()[1:]
@@ -156,6 +157,17 @@ def test_bad_input(
     assert answer.err.count("\n") == 1
     assert answer.err.startswith(f"rps-bench: {expected}")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_mechanism_that_tilts_in_no_way_has_no_map() -> None:
+    """Four joints close at few azimuths: cases are checked, and a sentence says what is not."""
+    rod = PRESETS["case1"].mechanism.limbs[0].rod
+    four = Mechanism.regular(0.3, 0.2, rod, Platform.disc(0.2, 0.02, 7820.0), limbs=4)
+    plan = standard([Case("four", four, Pose(0.49), "a test")], ["euler-bernoulli"])
+    assert plan.poses == () and len(plan.everywhere) == 5
+    assert plan.notes == (
+        "no map of the workspace: mechanism = '4 limbs': expected one that tilts any way",
+    )
 
 
 def test_what_a_check_runs() -> None:
