@@ -15,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import Pipe
@@ -70,20 +71,26 @@ def attempt(task: Task) -> object:
 
 
 class Child:
-    """One process that solves one task at a time."""
+    """One process that solves one task at a time.
 
-    def __init__(self) -> None:
+    `launcher`: the program that runs Python and its options, by default this process's own.
+    """
+
+    def __init__(self, launcher: Sequence[str] = ()) -> None:
         self._line, theirs = Pipe()
         self._folder = tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-")
+        # Another environment finds modules by itself.
+        path = {} if launcher else {"PYTHONPATH": _path()}
+        python = launcher or [sys.executable]
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "harness.workers", str(theirs.fileno())],
+                [*python, "-P", "-m", "harness.workers", str(theirs.fileno())],
                 pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 cwd=self._folder,
-                env=os.environ | ONE_THREAD | {"TMPDIR": self._folder, "PYTHONPATH": _path()},
+                env=os.environ | ONE_THREAD | {"TMPDIR": self._folder} | path,
                 start_new_session=True,  # Ctrl-C is for the parent to act on
             )
         self._ready = self._busy = False
@@ -139,10 +146,11 @@ class Child:
 class Children:
     """The processes of one parent, kept for the next job; any number of threads may ask.
 
-    One is started when there is a job for it, if not before.
+    One is started when there is a job for it, if not before; `launcher` as of `Child`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, launcher: Sequence[str] = ()) -> None:
+        self._launcher = launcher
         self._idle: list[Child] = []
         self._all: set[Child] = set()
         self._lock = Lock()
@@ -151,7 +159,7 @@ class Children:
     def start(self, number: int) -> None:
         """Start processes ahead of their jobs until there are `number`."""
         with self._lock:
-            new = [Child() for _ in range(number - len(self._all))]
+            new = [Child(self._launcher) for _ in range(number - len(self._all))]
             self._idle += new
             self._all.update(new)
 
@@ -188,7 +196,7 @@ class Children:
                 return None
             if not self._all:
                 sweep_up()
-            child = self._idle.pop() if self._idle else Child()
+            child = self._idle.pop() if self._idle else Child(self._launcher)
             self._all.add(child)
             return child
 

@@ -73,7 +73,7 @@ def check(
 
         if case_file or baseline or quick or any(files.values()):
             raise InputError("compare", compare, "no option beside it but --models and --output")
-        return _compare(compare, models, output)
+        return _compare(compare, models, output, time_limit)
     targets = _targets(output, files)
     asked = asks(case_file, baseline, models, quick=quick)
     with Bar() as bar, Bench(time_limit, bar) as bench:
@@ -156,17 +156,18 @@ def display(report: "Report") -> None:
     click.echo(report.sentences()[0])
 
 
-def _compare(text: str, models: str | None, output: Path | None) -> int:
+def _compare(text: str, models: str | None, output: Path | None, limit: float) -> int:
     """Show what the same study gives in two environments."""
-    from harness.history.environments import compare, requirements, study
+    from harness.environments import compare, requirements, study
     from harness.output import write_all
-    from harness.text import split
+    from harness.presets import PAPER_CASES
+    from harness.text import chosen, split
 
     both = requirements(text)
-    labels = study(*both, None if models is None else split("models", models))
+    named = study(*both, None if models is None else split("models", models))
+    cases = chosen(None, None, PAPER_CASES)
     with Bar() as bar:
-        bar.expect(2 * len(labels))
-        table = compare(*both, labels, done=bar.done)
+        table = compare(*both, cases, named, limit=limit, listener=bar)
     paths = write_all(output, table.files("environments")) if output is not None else []
     show_tables(table)
     for path in paths:

@@ -115,6 +115,8 @@ def test_many_poses_a_call_are_the_poses_one_by_one(bench: Bench) -> None:
     plan = standard([CASE], ["condensed"])
     plan = replace(plan, ladders=(), singles=(), poses=plan.poses[2::12])
     checked = solve(plan, bench)
+    timed = {(row["case"], row["model"]) for row in checked.rows}
+    assert timed >= {("workspace", "condensed@3"), ("workspace", "condensed@3, many poses a call")}
     names = {(one.name, one.model) for one in properties(checked, bench) if one.holds}
     assert names >= {("many poses a call, map", f"condensed@{s}") for s in (3, "exact")}
     off = {m: replace(b, table=b.table * (1 + 3e-9)) for m, b in checked.batches.items()}

@@ -1,0 +1,186 @@
+"""The same study in two environments that differ in one requirement, and what changes."""
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from analytic import Info, InputError, Modes
+from harness.answer import checked
+from harness.bench import LIMIT, SPARE, Listener, ModesTask, Silent, label
+from harness.cases import Case
+from harness.tables import Cell, Number, Table
+from harness.workers import Children, Failure
+from reference_models import ModelError, Named, UnavailableError, catalogue, parse
+
+EXAMPLE = "as in mujoco==3.17.0,mujoco==4.0.0"
+Answers = dict[tuple[Case, Named], Modes | Failure]
+
+
+@dataclass(frozen=True)
+class InfoTask:
+    """What a model is where it runs: another version may have another theory."""
+
+    model: Named
+
+    def solve(self) -> Info:
+        """Return what the model says of itself."""
+        return self.model.info()
+
+
+def requirements(text: str) -> tuple[str, str]:
+    """Return the two requirements that --compare names."""
+    found = [part.strip() for part in text.split(",")]
+    if len(found) != 2 or not all(map(_distribution, found)) or found[0] == found[1]:
+        raise InputError("compare", text, f"two requirements, {EXAMPLE}")
+    return found[0], found[1]
+
+
+def study(before: str, after: str, names: Sequence[str] | None = None) -> list[Named]:
+    """Return what to solve: the models called `names`, by default all on the program named.
+
+    A bare name means the same elements in both environments, those it has here.
+    """
+    if names is None:
+        wanted = {_distribution(before), _distribution(after)}
+        names = [name for name, info in catalogue() if info.program.lower() in wanted]
+        if not names:
+            raise InputError("compare", f"{before},{after}", f"a simulator's package, {EXAMPLE}")
+    return [parse(name, "models") for name in names]
+
+
+def compare(
+    before: str,
+    after: str,
+    cases: Sequence[Case],
+    models: Sequence[Named],
+    count: int = 6,
+    *,
+    limit: float = LIMIT,
+    listener: Listener | None = None,
+) -> Table:
+    """Return what changes from one requirement (as in mujoco==3.17.0) to the other.
+
+    The environments lie over this one, which is left as it is. Raises `UnavailableError` without
+    uv or where it cannot make an environment.
+    """
+    tell = Silent() if listener is None else listener
+    tell.expect(2 * len(models))
+    first, second = (_solve(one, cases, models, count, limit, tell) for one in (before, after))
+    rows: list[tuple[Cell, ...]] = []
+    for model in models:
+        for case in cases:
+            was, now = first[case, model], second[case, model]
+            if isinstance(was, Failure) or isinstance(now, Failure):
+                continue
+            known = [m.uncertainty for m in (was, now) if m.uncertainty is not None]
+            for i, (f, g) in enumerate(zip(was.frequencies, now.frequencies, strict=True)):
+                own = max((float(one[i]) for one in known), default=0.0)
+                rows.append(
+                    (label(model), case.name, i + 1, Number(f, 4), Number(g, 4),
+                     Number(100 * (g / f - 1), 6, signed=True) if f else "-",
+                     Number(100 * own / f, 4) if known and f else "not known")
+                )  # fmt: skip
+    columns = ("Model", "Case", "Mode", f"{before} [Hz]", f"{after} [Hz]", "Difference [%]",
+               "Own uncertainty [%]")  # fmt: skip
+    notes = [
+        *_versions(before, first),
+        *_versions(after, second),
+        *_theories(before, after, first, second),
+        *_one_sided(before, after, first, second),
+        "modes are paired by order; own uncertainty is the simulator's estimate, the larger of two",
+    ]
+    return Table(f"{before} against {after}", columns, tuple(rows), tuple(dict.fromkeys(notes)))
+
+
+def _solve(
+    requirement: str,
+    cases: Sequence[Case],
+    models: Sequence[Named],
+    count: int,
+    limit: float,
+    tell: Listener,
+) -> Answers:
+    found: Answers = {}
+    children = Children(_launcher(requirement))
+    try:
+        for model in models:
+            info = children.attempt(InfoTask(model), limit)
+            for case in cases:
+                if not isinstance(info, Info):
+                    found[case, model] = info if isinstance(info, Failure) else Failure("no info")
+                    continue
+                task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
+                answer = children.attempt(task, limit)
+                if not isinstance(answer, Failure):
+                    try:
+                        whole = checked(answer, info, case.mechanism, case.pose, count + SPARE)
+                        answer = whole.first(count)
+                    except ModelError as error:
+                        answer = Failure(str(error))
+                found[case, model] = answer
+            tell.done(f"{label(model)} with {requirement}")
+    finally:
+        children.close()
+    return found
+
+
+def _launcher(requirement: str) -> list[str]:
+    """Return what runs Python with the requirement laid over this environment by uv."""
+    import numpy as np
+
+    # What a simulator brings along must not change the arithmetic as well.
+    kept = [] if _distribution(requirement) == "numpy" else [f"--with=numpy=={np.__version__}"]
+    overlay = [_uv(), "run", "--quiet", "--no-project", "--python", sys.executable]
+    command = [*overlay, *kept, f"--with={requirement}", "python"]
+    ended = subprocess.run(
+        [*command, "-c", "pass"], capture_output=True, text=True, check=False
+    )  # fmt: skip
+    if ended.returncode:
+        lines = [line.strip() for line in ended.stderr.splitlines() if line.strip()]
+        told = [line for line in lines if line.startswith(("error:", "cause:"))] or lines
+        why = told[-1] if told else f"ended with status {ended.returncode} and did not say why"
+        raise UnavailableError(f"{requirement}: {why}")
+    return command
+
+
+def _uv() -> str:
+    beside = Path(sys.executable).with_name("uv")
+    found = shutil.which("uv") or (str(beside) if beside.exists() else None)
+    if found is None:
+        raise UnavailableError("environments are made by uv, which is not here; pip install uv")
+    return found
+
+
+def _distribution(requirement: str) -> str:
+    return re.split(r"[^\w.-]", requirement.strip(), maxsplit=1)[0].lower()
+
+
+def _versions(requirement: str, answers: Answers) -> Iterator[str]:
+    ran = sorted({m.version for m in answers.values() if isinstance(m, Modes)})
+    yield f"{requirement}: {', '.join(ran) or 'nothing ran'}"
+
+
+def _theories(before: str, after: str, first: Answers, second: Answers) -> Iterator[str]:
+    for (case, model), was in first.items():
+        now = second[case, model]
+        if isinstance(was, Modes) and isinstance(now, Modes) and was.theory != now.theory:
+            yield (
+                f"{label(model)}: its theory is {was.theory} with {before} and {now.theory} with "
+                f"{after}, so its differences are of the model, not of one version's numerics"
+            )
+
+
+def _one_sided(before: str, after: str, first: Answers, second: Answers) -> Iterator[str]:
+    for one, other, here, there in (
+        (before, after, first, second),
+        (after, before, second, first),
+    ):
+        for (case, model), answer in here.items():
+            if isinstance(answer, Failure):
+                both = isinstance(there[case, model], Failure)
+                runs = "with neither" if both else f"with {other} only"
+                yield f"{label(model)} runs {runs}: {one}: {answer.reason}"
