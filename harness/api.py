@@ -5,11 +5,12 @@ from os import PathLike, fspath
 from typing import Any
 
 from analytic import InputError
-from harness.bench import LIMIT, Bench
+from harness.bench import Bench
 from harness.request import Request
 from harness.result import Result
 from harness.studies import STANDARD, find
 from harness.text import request
+from harness.workers import LIMIT
 
 FIELDS = {"cases": "cases", "references": "references", "elements": "elements",
           "modes": "shown", "model": "theory"}  # fmt: skip

@@ -11,7 +11,7 @@ from harness.answer import checked
 from harness.cases import Case
 from harness.declared import asked, keeps
 from harness.rows import mode_rows, settings
-from harness.workers import Children, Failure, Task, attempt
+from harness.workers import LIMIT, Children, Failure, Task, attempt
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
-LIMIT = 600.0
-"""Seconds that a simulator may take for one pose unless said otherwise."""
 
 Key = tuple[Case, Model]
 

@@ -26,6 +26,8 @@ from typing import Protocol
 
 from harness.threads import ONE_THREAD
 
+LIMIT = 600.0
+"""Seconds that a simulator may take for one pose unless said otherwise."""
 START = 120.0
 """A process that is not ready after this many seconds never will be."""
 TRIES = 2

@@ -77,7 +77,7 @@ def history() -> Callable[..., Any]:
 
 def time_limit() -> Callable[..., Any]:
     """Return the option --time-limit: seconds that a simulator may take for one pose."""
-    from harness.bench import LIMIT
+    from harness.workers import LIMIT
 
     return click.option(
         "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=LIMIT,

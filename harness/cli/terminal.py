@@ -5,13 +5,15 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import click
 
 from harness.cli.flags import as_typed
-from harness.result import Result
-from harness.tables import Table
+
+if TYPE_CHECKING:
+    from harness.result import Result
+    from harness.tables import Table
 
 
 class Bar:
@@ -75,7 +77,7 @@ class Written:
         return 1 if self.failures else 0
 
 
-def finish(results: Mapping[str, Result], output: Path | None, history: Path | None) -> Written:
+def finish(results: Mapping[str, "Result"], output: Path | None, history: Path | None) -> Written:
     """Write the results' files and their rows of the history; return what was written."""
     from harness.output import result_files, write_all
 
@@ -97,7 +99,7 @@ KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings
 """What tells a row of the history from the others of its run."""
 
 
-def append_rows(history: Path, results: Mapping[str, Result]) -> None:
+def append_rows(history: Path, results: Mapping[str, "Result"]) -> None:
     """Append the rows of a run to the history, each once.
 
     Parts of one command may share a model, whose rows differ in seconds at most: the first's.
@@ -112,7 +114,7 @@ def append_rows(history: Path, results: Mapping[str, Result]) -> None:
         append(history, [*found.values()], as_typed())
 
 
-def show(results: Mapping[str, Result]) -> None:
+def show(results: Mapping[str, "Result"]) -> None:
     """Print every result's tables and sentences."""
     for result in results.values():
         show_tables(*result.tables().values())
@@ -120,17 +122,21 @@ def show(results: Mapping[str, Result]) -> None:
             click.echo(f"- {line}")
 
 
-def show_tables(*tables: Table) -> None:
+def show_tables(*tables: "Table") -> None:
     """Print tables with their titles and notes; in a pipe as wide as they need to be."""
     from rich.console import Console
+
+    class Pipe(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError  # whoever read has enough: no failure
 
     for table in tables:
         if sys.stdout.isatty():
             width = shutil.get_terminal_size().columns
-            console, shown = Console(highlight=False, markup=False), table.terminal(width)
+            console, shown = Pipe(highlight=False, markup=False), table.terminal(width)
         else:
             width = max(table.width(), 1)
-            console = Console(highlight=False, markup=False, width=width, soft_wrap=True)
+            console = Pipe(highlight=False, markup=False, width=width, soft_wrap=True)
             shown = table.terminal()
         console.print(shown)
         console.print()
