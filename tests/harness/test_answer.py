@@ -53,7 +53,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(SITE, about.parent)
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: wrong\nVersion: 1\n")
-    points = {f"x-{name}": f"wrong:{class_of(name)}" for name in ("honest", *WRONG)}
+    points = {f"x-{name}": f"wrong:{class_of(name)}" for name in ("honest", "hangs", *WRONG)}
     points["x-unimportable"] = "unimportable:Model"
     lines = "".join(f"{name} = {where}\n" for name, where in points.items())
     (about / "entry_points.txt").write_text(f"[rps_bench.reference_models]\n{lines}")
@@ -101,6 +101,24 @@ def test_wrong_models(
         assert not any(f"x-{name}@" in found for name in WRONG)
     else:
         assert "149.507" in answer.out and "x-honest" in answer.out
+
+
+def test_what_crashes_exits_or_hangs_costs_its_own_answer(site: None) -> None:
+    says = {
+        "crashes": "ended by SIGSEGV",
+        "exits": "ended by itself with status 0",
+        "hangs": "gave no answer within the time limit of 2 s",
+    }
+    models = [Named(f"x-{name}", 1) for name in ("honest", *says)]
+    case = PRESETS["case1"]
+    with Bench(limit=2) as bench:
+        study = bench.run([case], [*models, Named("euler-bernoulli", 1)])
+    assert set(study.failures) == {(case, model) for model in models[1:]}
+    for model, why in zip(models[1:], says.values(), strict=True):
+        assert why in study.failures[case, model]
+    honest = study.answers[case, models[0]].frequencies
+    ours = study.answers[case, Named("euler-bernoulli", 1)].frequencies
+    np.testing.assert_allclose(honest, ours, rtol=1e-12)
 
 
 def test_one_mesh_of_another_scale_is_caught_and_one_percent_is_not(site: None) -> None:

@@ -2,6 +2,7 @@
 
 import ctypes
 import sys
+import time
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -73,6 +74,7 @@ NotANumber = wrong("NotANumber")(_nan)
 Raises = wrong("Raises")(_raise)
 Crashes = wrong("Crashes")(lambda _: ctypes.string_at(0))
 Exits = wrong("Exits")(lambda _: sys.exit(0))
+Hangs = wrong("Hangs")(lambda _: time.sleep(600))
 Shape = wrong("Shape")(lambda modes: replace(modes, limbs=modes.limbs[:, :, :5]))
 Zero = wrong("Zero")(
     lambda modes: replace(modes, platform=0 * modes.platform, limbs=0 * modes.limbs)
