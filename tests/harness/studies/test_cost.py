@@ -1,13 +1,14 @@
 """What a frequency costs: parts add up, growth is read right, a failure costs itself alone."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
+from harness.studies.cost import FLOOR, YARDSTICK, Cost, counted, measure
 from harness.timing import Timed, Way
 from reference_models import Named
 
@@ -22,10 +23,11 @@ def cost() -> Cost:
         return measure(CASE, EULER, references, (1, 2, 4), (1, 100), 2, bench)
 
 
-def test_build_and_solve_are_parts_of_the_whole(cost: Cost) -> None:
+def test_modes_say_what_they_took_to_build_and_to_solve(cost: Cost) -> None:
     for t in cost.elements:
-        if t.build is not None and t.solve is not None:
-            assert 0 < t.build + t.solve < 2 * t.median, t.way.method
+        alone = t.way.poses > 0  # frequencies say nothing of it
+        assert (t.build is None) == (t.solve is None) == alone, t.way.method
+        assert alone or (t.build or 0) > 0 < (t.solve or 0)
 
 
 def test_coordinates_are_counted(cost: Cost) -> None:
@@ -61,10 +63,23 @@ def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
     assert fit.sizes == (1, 2, 4, 8, 16)
 
 
+def test_counted_work_knows_no_machine(cost: Cost) -> None:
+    """Cubic where it is dense, linear in s where it is sparse; multipliers take more."""
+    work = [counted("paper", s, 3) for s in (2, 4, 8)]
+    assert [one.dofs for one in work] == [36, 72, 144]
+    for few, many in pairwise(work):
+        assert 2.8 < np.log2(many.flops / few.flops) < 3.01
+    long = [counted("paper", s, 3).flops for s in (32, 64, 128)]
+    for few, many in pairwise(long):
+        assert 0.9 < np.log2(many / few) < 1.1
+    for formulation in ("null-space", "saddle-point"):
+        assert cost.operations(formulation) > 1
+
+
 def test_what_users_meet(cost: Cost) -> None:
     frame = cost.to_frame()
     assert {"method", "elements", "seconds_a_pose", "build_s", "solve_s", "dofs"} <= set(frame)
-    endings = ["-elements", "-growth", "-batches", "-claims"]
+    endings = ["-elements", "-growth", "-work", "-batches", "-claims"]
     assert list(cost.tables()) == endings
     assert all(table.rows for table in cost.tables().values())
     assert cost.plot() is not None
