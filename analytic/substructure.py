@@ -139,8 +139,7 @@ class Substructure:
             sparse = self.solver == "sparse" or (self.solver == "automatic" and size > DENSE)
         element = parts.element_matrices()
         blocks = [P.swapaxes(1, 2) @ element @ P for P in independent_ends(parts)]
-        platform = np.stack([np.zeros((6, 6)), parts.platform_mass])
-        return assembly.joined(n, s, sparse=sparse).pair([*blocks, platform])
+        return assembly.joined(n, s, sparse=sparse).pair([*blocks, parts.platform])
 
     def _solved(self, parts: Chains, K: Any, M: Any, count: int) -> tuple[Floats, Floats]:
         return solved(parts, partial(lowest_modes, K, M, count), M, partial(nodes, parts))
