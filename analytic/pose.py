@@ -155,19 +155,26 @@ def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
 
 
 def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
+    check_poses(mechanism, pose)
     points = mechanism.platform_points
     return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation)
 
 
-def one_pose(mechanism: Any, pose: Any) -> Pose:
-    """Return `pose` if it is a single one and `mechanism` a mechanism, or raise `InputError`."""
+def check_poses(mechanism: Any, poses: Any) -> None:
+    """Raise `InputError` unless `mechanism` is a `Mechanism` and `poses` a `Pose`."""
     if not isinstance(mechanism, Mechanism):
         raise InputError("mechanism", mechanism, "a Mechanism")
-    if not isinstance(pose, Pose):
-        raise InputError("pose", pose, "a Pose")
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
-    return pose
+    if not isinstance(poses, Pose):
+        raise InputError("pose", poses, "a Pose")
+
+
+def one_pose(mechanism: Any, pose: Any) -> Pose:
+    """Return `pose` if it is a single one and `mechanism` a mechanism, or raise `InputError`."""
+    check_poses(mechanism, pose)
+    single: Pose = pose
+    if single.shape:
+        raise InputError("pose", f"{single.shape} poses", "one pose at a time for this model")
+    return single
 
 
 def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:
