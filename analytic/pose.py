@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import Mechanism
+from analytic.mechanism import LARGEST, Mechanism
 
 CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
@@ -20,7 +20,7 @@ class Pose:
 
     Scalars give one pose; arrays (broadcast against each other) give many. Zero torsion: the
     platform leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees.
-    Raises `InputError` for anything that is not finite.
+    Raises `InputError` for anything that is not finite, or a z beyond 1e9 m.
     """
 
     z: Any
@@ -35,7 +35,7 @@ class Pose:
                 value = np.asarray(given, dtype=float)
             except (TypeError, ValueError):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}") from None
-            if not np.isfinite(value).all():
+            if not np.isfinite(value).all() or (name == "z" and (np.abs(value) > LARGEST).any()):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}")
             values.append(value)
         try:

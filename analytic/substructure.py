@@ -23,7 +23,7 @@ from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose
+from analytic.pose import Pose, one_pose
 from analytic.theory import Theory
 
 if TYPE_CHECKING:
@@ -177,10 +177,8 @@ def few(elements: int) -> int:
 
 
 def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
-    """Return the limbs at a single pose; raises `InputError` for an array of poses."""
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
-    return limbs_at(mechanism, pose)
+    """Return the limbs at a single pose; raises `InputError` for anything else."""
+    return limbs_at(mechanism, one_pose(mechanism, pose))
 
 
 def independent_ends(parts: Chains) -> list[Floats]:
