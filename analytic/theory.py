@@ -38,9 +38,9 @@ class Theory:
                 known = ", ".join(SHEAR_COEFFICIENTS)
                 raise InputError("shear", self.shear, f"one of {known}, or a positive number")
         else:
-            coefficient = number("shear", self.shear, "a shear coefficient", positive=True)
+            coefficient = number("shear", self.shear, "a positive shear coefficient", positive=True)
             if not LEAST_SHEAR <= coefficient <= 1 / LEAST_SHEAR:
-                raise InputError("shear", self.shear, "a shear coefficient of about one")
+                raise InputError("shear", self.shear, "a positive shear coefficient of about one")
 
     @property
     def rotary_inertia(self) -> bool:
