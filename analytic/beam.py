@@ -114,7 +114,10 @@ def element_matrices(rods: Sections, lengths: Floats) -> Floats:
     heavy[:, :9] = powers * (rods.line_mass * h)[:, None]
     heavy[:, 9:18] = powers * (rods.line_inertia / h)[:, None]
     heavy[:, 18], heavy[:, 19] = rods.line_mass * h, shaft * h
-    return np.stack([stiff @ _K, heavy @ _M]).reshape(2, n, 12, 12)
+    both = np.empty((2, n, 144))
+    np.matmul(stiff, _K, out=both[0])
+    np.matmul(heavy, _M, out=both[1])
+    return both.reshape(2, n, 12, 12)
 
 
 def strains(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:

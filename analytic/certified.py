@@ -11,6 +11,9 @@ WIDTH = 1e-12
 """Relative width of a bracket of a frequency where rounding allows it."""
 LOOSEST = 1e-9
 """A bracket wider than this, relative, is refused."""
+CLOSE = 1e-8, 1e-13
+"""A step of Newton's below this, relative, is the last: the next would be about its square, but
+beside a pole it is not."""
 STEPS = 12
 """Ratio of omega^2 between the first guesses is 10^(1 / STEPS), to begin with."""
 BATCH = 2000
@@ -48,8 +51,14 @@ def coupled(problem: Characteristic, count: int) -> Floats:
     low, high, guess = _isolated(problem, count)
     found[:free, 1] = _rest(problem, free, float(low[free:].min(initial=high.max())))
     rank = np.arange(free, count)
-    roots = _roots(problem, rank, low[free:], high[free:], guess[free:])
-    found[free:] = _certified(problem, rank, roots)
+    for close in CLOSE:
+        roots = _roots(problem, rank, low[free:], high[free:], guess[free:], close)
+        try:
+            found[free:] = _certified(problem, rank, roots)
+            break
+        except NotCertifiedError:
+            if close == CLOSE[-1]:
+                raise
     return found
 
 
@@ -58,7 +67,7 @@ def _isolated(problem: Characteristic, count: int) -> tuple[Floats, Floats, Floa
     sigma = problem.static[0]
     poles = problem.first
     lowest = min(poles, float(sigma[sigma.size - problem.free - 1] ** 2))
-    grid = lowest * 10 ** (np.arange(-1.5, 2.0, 1 / STEPS) + 0.0123)
+    grid = lowest * 10 ** (np.arange(-0.8, 2.2, 1 / STEPS) + 0.0123)
     form = problem.form(grid)
     below, nearest = form.count, _estimates(form, grid)
     while below[0] > problem.free or below[-1] < count:
@@ -118,9 +127,14 @@ def _rest(problem: Characteristic, free: int, below: float) -> float:
 
 
 def _roots(
-    problem: Characteristic, rank: NDArray[np.intp], low: Floats, high: Floats, guess: Floats
+    problem: Characteristic,
+    rank: NDArray[np.intp],
+    low: Floats,
+    high: Floats,
+    guess: Floats,
+    close: float,
 ) -> Floats:
-    """Return the omega^2 of the modes of `rank`, each between `low` and `high`, to rounding.
+    """Return the omega^2 of the modes of `rank`, each between `low` and `high`.
 
     Newton's iteration on B x = delta (-B') x, whose eigenvalue of the rank sought has the sign of
     the count: what leaves the bracket, or closes it too slowly, is bisected.
@@ -148,7 +162,7 @@ def _roots(
         middle = np.sqrt(np.maximum(a, 1e-3 * b) * b)
         bad = ~((target > a) & (target < b)) | (step % 8 == 7)
         x[going] = np.where(bad, middle, target)
-        settled = (np.abs(moved) < WIDTH / 20 * before) | (b - a < WIDTH / 20 * b)
+        settled = (np.abs(moved) < close * before) | (b - a < WIDTH / 20 * b)
         x[going[settled]] = np.where(bad, before, target)[settled]
         going = going[~settled]
     return x
@@ -182,8 +196,8 @@ def _certified(problem: Characteristic, rank: NDArray[np.intp], roots: Floats) -
         beyond = np.where(y[:, 1] > 0, 1.0, np.where(y[:, 0] < 0, -1.0, 0.0))
         x[going] *= 1 + half[going] * (shift + beyond)
         half[going] *= 2
-        if (half[going] > 2 * LOOSEST).any():
+        if (half[going] > LOOSEST).any():
             raise NotCertifiedError(
-                f"mode {int(rank[going].min()) + 1} to {LOOSEST:g}, the limbs' torsion not counted"
+                f"mode {int(rank[going].min()) + 1} to {LOOSEST:g} (torsion of limbs not counted)"
             )
     return result

@@ -65,6 +65,13 @@ class Chains:
         """h = L_i / s, shape (n,) [m]."""
         return self.lengths / self.elements
 
+    @property
+    def platform(self) -> Floats:
+        """No stiffness, and M_p: shape (2, 6, 6)."""
+        both = np.zeros((2, 6, 6))
+        both[1] = self.platform_mass
+        return both
+
     @cached_property
     def J(self) -> Floats:
         """J_i of Eq. (10), the platform's motion to that of A_i, shape (n, 3, 6)."""
@@ -124,20 +131,28 @@ def chains(mechanism: Mechanism, limbs: Limbs, elements: int, theory: Theory) ->
     """Return the chains of `mechanism` with its `limbs` at one pose."""
     rods, turns = _fixed(mechanism, theory)
     M_p = np.zeros((6, 6))
-    M_p[:3, :3] = mechanism.platform.mass * np.eye(3)
+    M_p[[0, 1, 2], [0, 1, 2]] = mechanism.platform.mass
     M_p[3:, 3:] = limbs.rotation @ mechanism.platform.inertia @ limbs.rotation.T
     return Chains(elements, rods, limbs.lengths, limbs.frames, limbs.arms, turns, M_p)
 
 
+_STILL = np.hstack([np.eye(3), np.zeros((3, 3))]).ravel()
+
+
+def _turned() -> Floats:
+    """Return what each component of an arm adds to J: spin x arm, shape (3, 18)."""
+    turn = np.zeros((3, 3, 6))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        turn[k, i, 3 + j], turn[j, i, 3 + k] = 1.0, -1.0
+    return turn.reshape(3, 18)
+
+
+_TURNED = _turned()
+
+
 def rigid_arms(arms: Floats) -> Floats:
     """Return J = [E_3, [A o x]] of Eq. (10), shape (..., 3, 6); `arms` (..., 3) o to A [m]."""
-    J = np.zeros((*np.shape(arms)[:-1], 3, 6))
-    x, y, z = np.moveaxis(arms, -1, 0)
-    J[..., [0, 1, 2], [0, 1, 2]] = 1.0
-    J[..., 0, 4], J[..., 0, 5] = z, -y
-    J[..., 1, 3], J[..., 1, 5] = -z, x
-    J[..., 2, 3], J[..., 2, 4] = y, -x
-    return J
+    return np.asarray((arms @ _TURNED + _STILL).reshape(*arms.shape, 6))
 
 
 def turning(axes: Floats) -> Floats:

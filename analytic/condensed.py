@@ -18,7 +18,7 @@ from analytic.kernel import compiled
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose
+from analytic.pose import Pose, check_poses
 from analytic.reduced import Constants, Floats, Reduced, constants, geometry, reduced
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic
@@ -42,6 +42,8 @@ AGREED = 1e-9
 """How far, relative, frequencies may be from those of the model they are condensed from."""
 WORTHWHILE = 200_000
 """Poses from which on the compiled loop repays the seconds that it takes to load."""
+MOST_ELEMENTS = 1_000_000
+"""Elements a limb whose dispersion relation is still told from rounding."""
 LEVELS = 6
 """Most limb modes a bending direction before a pose is left to certified bisection."""
 
@@ -62,7 +64,7 @@ class Condensed:
 
     def __post_init__(self) -> None:
         if self.elements is not None:
-            whole("elements", self.elements)
+            whole("elements", self.elements, at_most=MOST_ELEMENTS)
         Theory(self.beam, self.shear)
 
     @property
@@ -146,9 +148,11 @@ def condensed_frequencies(
     numba.
     """
     theory = Theory(beam, shear)
+    check_poses(mechanism, poses)
     available = 10_000
     if elements is not None:
-        available = 6 + len(mechanism.limbs) * ((5 + torsion) * whole("elements", elements) - 2)
+        elements = whole("elements", elements, at_most=MOST_ELEMENTS)
+        available = 6 + len(mechanism.limbs) * ((5 + torsion) * elements - 2)
     count = check_count(count, available)
     known = constants(mechanism, theory)
     size = int(np.prod(poses.shape))

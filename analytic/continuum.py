@@ -19,7 +19,7 @@ from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose, one_pose
 from analytic.reduced import constants
 from analytic.theory import Theory
-from analytic.wittrick_williams import Characteristic, characteristic
+from analytic.wittrick_williams import Characteristic, characteristic, of_limbs
 
 MOST = 10_000
 """Most modes that are asked for at once."""
@@ -96,7 +96,9 @@ class Continuum:
         """
         begin = time.perf_counter()
         count = check_count(count, MOST)
-        problem = self._problem(mechanism, pose)
+        limbs = limbs_at(mechanism, one_pose(mechanism, pose))
+        known = constants(mechanism, self.theory)
+        problem = of_limbs(known, limbs)
         built = time.perf_counter()
         bounds, twisting = brackets(problem, count)
         omega2 = middles(bounds)
@@ -111,8 +113,7 @@ class Continuum:
             U, w, force = (
                 np.concatenate(parts) for parts in zip(*problem.eigenspace(at, sizes), strict=True)
             )
-            limbs = limbs_at(mechanism, pose)
-            U = U @ constants(mechanism, self.theory).unit.T
+            U = U @ known.unit.T
             platform[others] = (U.reshape(-1, 2, 3) @ limbs.rotation.T).reshape(-1, 6)
             local = centre_lines(problem, np.repeat(at, sizes), w, force)
             motion[others] = local @ limbs.frames.swapaxes(-1, -2)

@@ -84,26 +84,31 @@ def bending_waves(rods: Sections, lengths: Array, eigenvalue: Array, elements: i
     A wave that travels has K < 0, on either side of the cut-on frequency. `lengths` (..., n) and
     `eigenvalue` broadcast against each other; either may be complex.
     """
+    real = _stepping(eigenvalue) and _stepping(lengths)
     lengths, lam = np.broadcast_arrays(lengths, eigenvalue)
     if elements is None:
-        return _continuum_waves(rods, lengths, lam)
+        return _continuum_waves(rods, lengths, lam, real)
     return _chain_waves(rods, lengths, lam, elements)
 
 
-def _continuum_waves(rods: Sections, lengths: Array, lam: Array) -> Waves:
+def _continuum_waves(rods: Sections, lengths: Array, lam: Array, real: bool) -> Waves:
     # theta' = G w with G^2 + lambda (rhoI/EI - sigma) G - lambda rhoA/EI = 0, k^2 = G - lambda
     # sigma, sigma = rhoA / (kappa G A). Each root is taken where nothing cancels.
     mass = lam * (rods.line_mass / rods.EI)
     shear = mass * (rods.flexibility / 12)
     rotary = lam * (rods.line_inertia / rods.EI)
-    G1, G2 = _quadratic(rotary - shear, -mass)
-    swap = G1.real < G2.real
-    G = np.stack([np.where(swap, G2, G1), np.where(swap, G1, G2)])
+    b = rotary - shear
+    # Of real lambda both roots are real, and so is all that follows.
+    root = np.sqrt(b * b + (4 * mass if real else 4 * mass + 0j))
+    larger = -(b + np.where(b.real < 0, -root, root)) / 2
+    other = -mass / larger
+    ordered = larger.real > other.real
+    G = np.stack([np.where(ordered, larger, other), np.where(ordered, other, larger)])
     K2 = G[1] - shear
     K1 = -mass * (1 - rotary * rods.flexibility / 12) / K2
     K1 = np.where(np.abs(K1) < TINY * np.abs(K2), TINY * np.abs(K2), K1)
     K = np.stack([K1, K2])
-    kappa, eta = _continuum_tip(K, lengths)
+    kappa, eta = _real_tip(K, lengths) if real else _continuum_tip(K, lengths)
     return Waves(K, G / K, -lam * rods.line_mass / K, rods.EI * G, kappa, eta)
 
 
@@ -155,12 +160,8 @@ def chain_element(rods: Sections, length: Array) -> tuple[tuple[Array, ...], tup
 
 
 def _quadratic(b: Array, c: Array) -> tuple[Array, Array]:
-    """Return the two roots of x^2 + b x + c without cancellation; real ones of real b and c."""
-    square = b * b - 4 * c
-    if _stepping(square) and (square.real > 0).all():
-        root = np.sqrt(square)
-    else:
-        root = np.sqrt(square + 0j)
+    """Return the two roots of x^2 + b x + c, complex, without cancellation."""
+    root = np.sqrt(b * b - 4 * c + 0j)
     larger = -(b + np.where(b.real < 0, -root, root)) / 2
     return larger, c / larger
 
@@ -175,8 +176,6 @@ TINY = 1e-16
 
 def _continuum_tip(K: Array, length: Array) -> tuple[Array, Array]:
     """Return kappa = k coth(k L) and eta = k / sinh(k L), k^2 = K."""
-    if _stepping(K) and _stepping(length):
-        return _real_tip(K, length)
     K, length = np.broadcast_arrays(K, length)
     k, L = np.sqrt(_base(K) + 0j), _base(length)
     kappa, eta = _hyperbolic(k, k * L)
@@ -273,7 +272,8 @@ def axial_stiffness(
 ) -> Array:
     """Return d_z = EA k cot(k L) [N/m], complex, or its like for linear bars."""
     if elements is None:
-        return rods.EA * _continuum_tip(-eigenvalue / rods.axial_speed2, lengths)[0]
+        tip = _real_tip if _stepping(eigenvalue) and _stepping(lengths) else _continuum_tip
+        return rods.EA * tip(-eigenvalue / rods.axial_speed2, lengths)[0]
     length = lengths / elements
     x = eigenvalue * length**2 / rods.axial_speed2
     kappa, _ = _chain_tip(-x / (2 * (1 + x / 6)), elements)
@@ -299,11 +299,10 @@ def limb_response(
     else:
         held = _pinned_chain_count(rods, lengths, np.real(eigenvalue), elements)
         stretched, _ = _bar_counts(rods.axial_speed2, lengths, np.real(eigenvalue), elements)
-    d = np.stack(np.broadcast_arrays(pinned, clamped, axial), axis=-1)
     # Pinned-pinned modes have closed forms; a clamp at the base takes one of them away where the
     # base's rotational stiffness is negative.
-    counts = np.broadcast_arrays(held, held - (clamp.real < 0), stretched)
-    return d, np.stack(counts, axis=-1).astype(np.int64)
+    counts = np.stack([held, held - (clamp.real < 0), stretched], axis=-1)
+    return np.stack([pinned, clamped, axial], axis=-1), counts.astype(np.int64)
 
 
 def _passed(K: Array, kappa: Array, length: Array) -> Array:
@@ -387,32 +386,28 @@ def static_stiffness(rods: Sections, lengths: Array) -> Array:
     return np.stack([np.zeros_like(clamped), clamped, rods.EA / lengths], axis=-1)
 
 
-def first_poles(rods: Sections, lengths: Array) -> Array:
-    """Return omega^2 of the first modes between pins and along the limb, (..., n, 3) [1/s^2].
+def first_pole(rods: Sections, lengths: Array) -> Array:
+    """Return omega^2 of each limb's first bending mode between pins, (..., n) [1/s^2].
 
-    Without elements; clamped at the base a limb's first mode is higher than between pins.
+    Without elements; clamped at the base the first mode is higher.
     """
     p = (np.pi / lengths) ** 2
     shear = rods.line_mass * rods.flexibility / (12 * rods.EI)
     rotary = rods.line_inertia / rods.EI
     b = (shear + rotary) * p + rods.line_mass / rods.EI
-    bending = 2 * p**2 / (b + np.sqrt(b**2 - 4 * shear * rotary * p**2))
-    return np.stack([bending, bending, p * rods.axial_speed2], axis=-1)
+    return np.asarray(2 * p**2 / (b + np.sqrt(b**2 - 4 * shear * rotary * p**2)))
 
 
 def softening_series(rods: Sections, lengths: Array, elements: int | None, terms: int) -> Array:
-    """Return c_1 ... of d_k(lambda) = d_k(0) + sum_j c_j (lambda / first pole)^j [N/m].
+    """Return c_1 ... of d_k(lambda) = d_k(0) + sum_j c_j (lambda / first pole)^j of bending [N/m].
 
-    Shape (terms, ..., n, 3). By Cauchy's integral on a circle where the closed forms lose no
+    Shape (terms, ..., n, 2). By Cauchy's integral on a circle where the closed forms lose no
     digits, as they do near zero.
     """
     circle = CIRCLE * np.exp(2j * np.pi * (np.arange(POINTS) + 0.5) / POINTS)
-    poles = first_poles(rods, lengths)
-    around = circle.reshape(-1, *([1] * (poles.ndim - 1)))
-    waves = bending_waves(rods, lengths, around * poles[..., 0], elements)
-    pinned, clamped, _ = bending_stiffness(waves)
-    axial = axial_stiffness(rods, lengths, around * poles[..., 2], elements)
-    values = np.stack(np.broadcast_arrays(pinned, clamped, axial), axis=-1)
+    pole = first_pole(rods, lengths)
+    around = circle.reshape(-1, *([1] * pole.ndim)) * pole
+    values = np.stack(bending_stiffness(bending_waves(rods, lengths, around, elements))[:2], -1)
     powers = circle[None, :] ** -np.arange(1, terms + 1)[:, None]
     return np.asarray(np.tensordot(powers, values, axes=1).real / POINTS)
 

@@ -35,6 +35,8 @@ def _said(kind: type[ValueError], sentence: str) -> ValueError:
 
 
 def _shown(value: object) -> str:
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return f"a whole number of {value.bit_length()} bits"
     text = str(value) if isinstance(value, (int, float, np.number)) else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
 
@@ -43,19 +45,22 @@ def number(argument: str, value: Any, expected: str, *, positive: bool = False) 
     """Return `value` as a finite float (above zero if `positive`), or raise `InputError`."""
     try:
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(argument, value, expected) from None
     if isinstance(value, (bool, str)) or not math.isfinite(result) or (positive and result <= 0):
         raise InputError(argument, value, expected)
     return result
 
 
-def count(argument: str, value: Any, *, at_least: int = 1) -> int:
-    """Return `value` as a whole number of at least `at_least`, or raise `InputError`."""
+def count(argument: str, value: Any, *, at_least: int = 1, at_most: int | None = None) -> int:
+    """Return `value` as a whole number within the limits, or raise `InputError`."""
+    expected = f"a whole number of at least {at_least}"
+    if at_most is not None:
+        expected += f" and at most {at_most}"
     if isinstance(value, (bool, str)) or not isinstance(value, (int, np.integer)):
-        raise InputError(argument, value, f"a whole number of at least {at_least}")
-    if value < at_least:
-        raise InputError(argument, value, f"a whole number of at least {at_least}")
+        raise InputError(argument, value, expected)
+    if value < at_least or (at_most is not None and value > at_most):
+        raise InputError(argument, value, expected)
     return int(value)
 
 
@@ -63,7 +68,7 @@ def vector(argument: str, value: Any, expected: str) -> tuple[float, float, floa
     """Return `value` as three finite floats, or raise `InputError`."""
     try:
         x, y, z = (float(component) for component in value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(argument, value, expected) from None
     if not all(map(math.isfinite, (x, y, z))):
         raise InputError(argument, value, expected)

@@ -12,6 +12,13 @@ from analytic.errors import InputError, count, number, vector
 
 Vector = tuple[float, float, float]
 
+ROUNDED = 1e-12
+"""A smaller relative difference of moments of inertia is rounding."""
+SMALLEST, LARGEST = 1e-9, 1e9
+"""Sizes and diameters in metres that are answered: beyond, powers of them leave the numbers."""
+MOST_LIMBS = 1000
+"""Most limbs of a regular mechanism."""
+
 
 @dataclass(frozen=True)
 class Material:
@@ -49,7 +56,10 @@ class Rod:
     def __post_init__(self) -> None:
         if not isinstance(self.material, Material):
             raise InputError("Rod.material", self.material, "a Material")
-        number("Rod.diameter", self.diameter, "a positive number of metres", positive=True)
+        expected = f"a positive number of metres, {SMALLEST:g} to {LARGEST:g}"
+        diameter = number("Rod.diameter", self.diameter, expected, positive=True)
+        if not SMALLEST <= diameter <= LARGEST:
+            raise InputError("Rod.diameter", self.diameter, expected)
 
     @property
     def area(self) -> float:
@@ -71,8 +81,10 @@ class Rod:
 class Platform:
     """The rigid moving platform: `mass` [kg], `inertia` about o in the moving frame [kg m^2].
 
-    `inertia` is a symmetric, positive definite 3 x 3 tensor given as three rows of three numbers.
-    `form` says in words where it comes from.
+    `inertia` is a symmetric, positive definite 3 x 3 tensor given as three rows of three numbers;
+    a tensor asymmetric by rounding is made symmetric. `form` says in words where it comes from.
+    Raises `InputError` for any other, and for a principal moment above the sum of the others, which
+    no body has.
     """
 
     mass: float
@@ -87,9 +99,24 @@ class Platform:
         except TypeError:
             raise InputError("Platform.inertia", self.inertia, expected) from None
         tensor = np.array(rows)
-        symmetric = tensor.shape == (3, 3) and np.array_equal(tensor, tensor.T)
-        if not symmetric or np.linalg.eigvalsh(tensor)[0] <= 0:
+        if tensor.shape != (3, 3):
             raise InputError("Platform.inertia", self.inertia, expected)
+        size = float(np.abs(tensor).max())
+        if np.abs(tensor - tensor.T).max() > ROUNDED * size:
+            raise InputError("Platform.inertia", self.inertia, expected)
+        if (tensor != tensor.T).any():
+            tensor = (tensor + tensor.T) / 2
+            rows = tuple(vector("Platform.inertia", row, expected) for row in tensor.tolist())
+        moments = np.linalg.eigvalsh(tensor)
+        if not moments[0] > 0:
+            raise InputError("Platform.inertia", self.inertia, expected)
+        if moments[0] + moments[1] < moments[2] * (1 - ROUNDED):
+            own = ", ".join(f"{moment:g}" for moment in moments)
+            raise InputError(
+                "Platform.inertia",
+                self.inertia,
+                f"principal moments of which none exceeds the sum of the others, not {own}",
+            )
         object.__setattr__(self, "inertia", rows)
 
     @classmethod
@@ -159,7 +186,7 @@ class Mechanism:
     platform: Platform
 
     def __post_init__(self) -> None:
-        limbs = tuple(self.limbs)
+        limbs = tuple(self.limbs) if isinstance(self.limbs, Iterable) else ()
         if not limbs or not all(isinstance(limb, Limb) for limb in limbs):
             raise InputError("Mechanism.limbs", self.limbs, "at least one Limb")
         object.__setattr__(self, "limbs", limbs)
@@ -187,7 +214,9 @@ class Mechanism:
             "platform_radius", platform_radius, "a positive number of metres", positive=True
         )
         number("heading", heading, "a finite angle in radians")
-        angles = heading + 2 * math.pi * np.arange(count("limbs", limbs)) / limbs
+        angles = (
+            heading + 2 * math.pi * np.arange(count("limbs", limbs, at_most=MOST_LIMBS)) / limbs
+        )
         return cls(
             tuple(
                 Limb(
@@ -210,7 +239,7 @@ class Mechanism:
         limbs about z [rad].
         """
         forms = {"disc": Platform.disc, "printed": Platform.as_printed}
-        if inertia not in forms:
+        if not isinstance(inertia, str) or inertia not in forms:
             raise InputError("inertia", inertia, "'disc' or 'printed'")
         steel = Material(young=200e9, shear=77e9, density=7820.0)
         platform = forms[inertia](0.2, 0.02, steel.density)

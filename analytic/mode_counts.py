@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.mechanism import Mechanism
-from analytic.pose import Pose
+from analytic.pose import Pose, check_poses
 from analytic.reduced import constants, geometry
 from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic
@@ -29,6 +29,7 @@ def mode_counts(
     no frequency computed. `torsion`: with the limbs' own, which is coupled to nothing; `elements`,
     `beam` and `shear` as for `condensed_frequencies`. Raises `InputError` for a pose out of reach.
     """
+    check_poses(mechanism, poses)
     known = constants(mechanism, Theory(beam, shear))
     lengths, vectors = geometry(known, mechanism, poses)
     n = lengths.shape[1]

@@ -142,8 +142,9 @@ class Multipliers:
 def _pair(parts: Chains, *, sparse: bool) -> tuple[Any, Any]:
     """Return K and M of all bodies, free of each other."""
     blocks = [parts.T.swapaxes(1, 2) @ parts.element_matrices() @ parts.T]
-    platform = np.stack([np.zeros((6, 6)), parts.platform_mass])
-    return assembly.free(len(parts.arms), parts.elements, sparse=sparse).pair([*blocks, platform])
+    return assembly.free(len(parts.arms), parts.elements, sparse=sparse).pair(
+        [*blocks, parts.platform]
+    )
 
 
 def _nodes(parts: Chains, u: Floats) -> Floats:

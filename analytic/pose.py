@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import Mechanism
+from analytic.mechanism import LARGEST, Mechanism
 
 CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
@@ -20,7 +20,7 @@ class Pose:
 
     Scalars give one pose; arrays (broadcast against each other) give many. Zero torsion: the
     platform leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees.
-    Raises `InputError` for anything that is not finite.
+    Raises `InputError` for anything that is not finite, or a z beyond 1e9 m.
     """
 
     z: Any
@@ -35,7 +35,7 @@ class Pose:
                 value = np.asarray(given, dtype=float)
             except (TypeError, ValueError):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}") from None
-            if not np.isfinite(value).all():
+            if not np.isfinite(value).all() or (name == "z" and (np.abs(value) > LARGEST).any()):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}")
             values.append(value)
         try:
@@ -155,19 +155,26 @@ def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
 
 
 def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
+    check_poses(mechanism, pose)
     points = mechanism.platform_points
     return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation)
 
 
-def one_pose(mechanism: Any, pose: Any) -> Pose:
-    """Return `pose` if it is a single one and `mechanism` a mechanism, or raise `InputError`."""
+def check_poses(mechanism: Any, poses: Any) -> None:
+    """Raise `InputError` unless `mechanism` is a `Mechanism` and `poses` a `Pose`."""
     if not isinstance(mechanism, Mechanism):
         raise InputError("mechanism", mechanism, "a Mechanism")
-    if not isinstance(pose, Pose):
-        raise InputError("pose", pose, "a Pose")
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
-    return pose
+    if not isinstance(poses, Pose):
+        raise InputError("pose", poses, "a Pose")
+
+
+def one_pose(mechanism: Any, pose: Any) -> Pose:
+    """Return `pose` if it is a single one and `mechanism` a mechanism, or raise `InputError`."""
+    check_poses(mechanism, pose)
+    single: Pose = pose
+    if single.shape:
+        raise InputError("pose", f"{single.shape} poses", "one pose at a time for this model")
+    return single
 
 
 def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:

@@ -89,7 +89,10 @@ def regular_workspace(
 
     Raises `InputError` for fewer than two layers, or one that the level platform cannot reach.
     """
-    z = np.unique(np.asarray(layers, dtype=float))
+    try:
+        z = np.unique(np.asarray(layers, dtype=float))
+    except (TypeError, ValueError):
+        raise InputError("layers", layers, "at least two different heights in metres") from None
     if z.ndim != 1 or len(z) < 2:
         raise InputError("layers", layers, "at least two different heights in metres")
     radii, _ = inscribed(mechanism, z, limits, azimuths)

@@ -30,6 +30,8 @@ from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic, characteristic
 
 STEP = 1e-30
+FORBIDDEN = 1e-9
+"""A larger part of the limbs' change, out of a revolute joint's plane, is refused."""
 POSE = ("z", "azimuth", "tilt")
 LIMB = ("young", "shear", "density", "diameter", "base_radius", "platform_radius")
 MOMENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -54,13 +56,16 @@ def frequency_sensitivities(
     (an off-diagonal moment means both its entries), which keep their values when all else moves.
     `elements`, `beam`, `shear` as in `condensed_frequencies`. Derivatives of repeated modes ascend
     in each column: modes that follow one parameter need not follow another. Raises `InputError`
-    for an unknown parameter, a pose out of reach, or a mechanism that moves freely.
+    for an unknown parameter, one that the joints do not let change, a pose out of reach, or a
+    mechanism that moves freely.
     """
     theory = Theory(beam, shear)
     n = len(mechanism.limbs)
     available = 10_000 if elements is None else 6 + n * (6 * whole("elements", elements) - 2)
     count = check_count(count, available)
     one_pose(mechanism, pose)
+    if isinstance(parameters, str) or not isinstance(parameters, Sequence):
+        raise InputError("parameters", parameters, "a list of names of parameters")
     moves = [_moved(mechanism, pose, theory, name) for name in parameters]
     problem = characteristic(mechanism, pose, theory, elements)
     # More modes than asked for, so that a group of repeated ones is not cut at the end.
@@ -174,6 +179,15 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
     z, azimuth, tilt = (step(key, [getattr(pose, key)])[0] for key in POSE)
     held = closure(mechanism, bases, points, z, rotation(azimuth, tilt))
     limbs = limbs_of(mechanism.axes, held)
+    # A change that the joints allow keeps every A_i in its revolute joint's plane.
+    aside, moved = np.abs(held.off_plane.imag) / size, np.abs(held.vectors.imag) / size
+    if aside.max() > FORBIDDEN * moved.max():
+        raise InputError(
+            "parameters",
+            name,
+            f"one that the joints let change here: A_{int(aside.argmax()) + 1} would leave its "
+            "revolute joint's plane",
+        )
     mass = np.zeros((6, 6), dtype=complex)
     mass[:3, :3] = step("mass", [mechanism.platform.mass])[0] * np.eye(3)
     mass[3:, 3:] = np.array(mechanism.platform.inertia)

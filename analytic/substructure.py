@@ -23,7 +23,7 @@ from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose
+from analytic.pose import Pose, one_pose
 from analytic.theory import Theory
 
 if TYPE_CHECKING:
@@ -139,8 +139,7 @@ class Substructure:
             sparse = self.solver == "sparse" or (self.solver == "automatic" and size > DENSE)
         element = parts.element_matrices()
         blocks = [P.swapaxes(1, 2) @ element @ P for P in independent_ends(parts)]
-        platform = np.stack([np.zeros((6, 6)), parts.platform_mass])
-        return assembly.joined(n, s, sparse=sparse).pair([*blocks, platform])
+        return assembly.joined(n, s, sparse=sparse).pair([*blocks, parts.platform])
 
     def _solved(self, parts: Chains, K: Any, M: Any, count: int) -> tuple[Floats, Floats]:
         return solved(parts, partial(lowest_modes, K, M, count), M, partial(nodes, parts))
@@ -178,10 +177,8 @@ def few(elements: int) -> int:
 
 
 def limbs_at_one(mechanism: Mechanism, pose: Pose) -> Limbs:
-    """Return the limbs at a single pose; raises `InputError` for an array of poses."""
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
-    return limbs_at(mechanism, pose)
+    """Return the limbs at a single pose; raises `InputError` for anything else."""
+    return limbs_at(mechanism, one_pose(mechanism, pose))
 
 
 def independent_ends(parts: Chains) -> list[Floats]:

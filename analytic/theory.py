@@ -14,6 +14,9 @@ BEAMS = {
 }
 SHEAR_COEFFICIENTS = ("cowper", "0.9", "6/7")
 
+LEAST_SHEAR = 1e-6
+"""No section has a smaller shear coefficient, nor one above its inverse."""
+
 
 @dataclass(frozen=True)
 class Theory:
@@ -28,14 +31,16 @@ class Theory:
     shear: str | float = "cowper"
 
     def __post_init__(self) -> None:
-        if self.beam not in BEAMS:
+        if not isinstance(self.beam, str) or self.beam not in BEAMS:
             raise InputError("beam", self.beam, f"one of {', '.join(BEAMS)}")
         if isinstance(self.shear, str):
             if self.shear not in SHEAR_COEFFICIENTS:
                 known = ", ".join(SHEAR_COEFFICIENTS)
                 raise InputError("shear", self.shear, f"one of {known}, or a positive number")
         else:
-            number("shear", self.shear, "a positive shear coefficient", positive=True)
+            coefficient = number("shear", self.shear, "a positive shear coefficient", positive=True)
+            if not LEAST_SHEAR <= coefficient <= 1 / LEAST_SHEAR:
+                raise InputError("shear", self.shear, "a positive shear coefficient of about one")
 
     @property
     def rotary_inertia(self) -> bool:

@@ -25,23 +25,24 @@ from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import (
     Sections,
-    first_poles,
+    first_pole,
     limb_response,
     softening_series,
     static_stiffness,
     torsion_counts,
 )
+from analytic.kinematics import Limbs, limbs_at
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose
-from analytic.reduced import constants, geometry
+from analytic.reduced import Constants, constants
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
 
 FREE = 1e-13
 """A static singular value below this part of the largest is a free motion."""
-SLOW, TERMS = 0.01, 12
-"""Below this part of a limb's first pole c_k comes from a series of so many terms."""
+SLOW, TERMS = 0.001, 8
+"""Below this part of a limb's first pole c_k of bending is a series of so many terms."""
 ROUNDING = 4 * float(np.finfo(float).eps)
 """Relative error of one entry of B; the bound on B's eigenvalues is made of it."""
 
@@ -161,40 +162,39 @@ class Characteristic:
     @property
     def first(self) -> float:
         """omega^2 of the softest limb's first mode between pins."""
-        return float(self._poles.min())
+        return float(self._pole.min())
 
     @cached_property
-    def _poles(self) -> Floats:
-        return self._flat(first_poles(self.rods, self.lengths))
+    def _pole(self) -> Floats:
+        return np.asarray(first_pole(self.rods, self.lengths))
 
     @cached_property
     def _series(self) -> Floats:
-        terms = softening_series(self.rods, self.lengths, self.elements, TERMS)
-        return terms.reshape(TERMS, *self.lengths.shape[:-1], -1)
+        return softening_series(self.rods, self.lengths, self.elements, TERMS)
 
     def _flat(self, of_limbs: Floats) -> Floats:
         return np.asarray(of_limbs.reshape(*self.lengths.shape[:-1], -1))
 
     def changes(self, omega2: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
         """Return c_k, its derivative, and the modes of every direction held, (q, 3 n) each."""
-        q = len(omega2)
-        step = 1e-30
+        q, step = len(omega2), 1e-30
         d, counts = limb_response(
             self.rods, self.lengths, omega2[:, None] * (1 + 1j * step), self.elements
         )
-        change = d.real.reshape(q, -1) - self.held
-        slope = d.imag.reshape(q, -1) / (step * omega2[:, None])
-        part = omega2[:, None] / self._poles
-        slow = part < SLOW
-        if slow.any():
-            x = np.where(slow, part, 0.0)
-            value, tangent = np.zeros_like(x), np.zeros_like(x)
+        change = d.real - self.held.reshape(d.shape[-2:] if self.lengths.ndim == 1 else d.shape)
+        slope = d.imag / (step * omega2[:, None, None])
+        part = omega2[:, None] / self._pole
+        if part.min() < SLOW:
+            # Bending loses digits as 1 / sqrt(part); along the limb nothing cancels.
+            slow = (part < SLOW)[..., None]
+            x = np.where(slow, part[..., None], 0.0)
+            value, tangent = np.zeros((2, *part.shape, 2))
             for k in range(TERMS - 1, -1, -1):
                 tangent = tangent * x + (k + 1) * self._series[k]
                 value = value * x + self._series[k]
-            change = np.where(slow, value * x, change)
-            slope = np.where(slow, tangent / self._poles, slope)
-        return change, slope, counts.reshape(q, -1)
+            change[..., :2] = np.where(slow, value * x, change[..., :2])
+            slope[..., :2] = np.where(slow, tangent / self._pole[..., None], slope[..., :2])
+        return change.reshape(q, -1), slope.reshape(q, -1), counts.reshape(q, -1)
 
     def form(self, omega2: Floats) -> Form:
         """Return B and its derivative at each of `omega2` (q,) > 0."""
@@ -213,12 +213,12 @@ class Characteristic:
         mass = N - (w * np.where(large, 0.0, slope)[..., None]).swapaxes(1, 2) @ w
         p = int(large.sum(axis=1).max(initial=0))
         stiff = np.argsort(-t, axis=1)[:, :p]
-        own, of_c, of_size, of_slope = (
-            np.take_along_axis(x, stiff, axis=1) for x in (large, c, size, slope)
-        )
+        row = np.arange(len(omega2))[:, None]
+        own = np.asarray(large[row, stiff])
+        of_c, of_size, of_slope = (x[row, stiff] for x in (c, size, slope))
         B = np.zeros((len(omega2), 6 + p, 6 + p))
         B[:, :6, :6] = top
-        border = np.take_along_axis(w, stiff[..., None], axis=1)
+        border = w[row, stiff]
         border *= np.where(own, 1 / np.sqrt(of_size), 0.0)[..., None]
         B[:, 6:, :6], B[:, :6, 6:] = border, border.swapaxes(1, 2)
         j = 6 + np.arange(p)
@@ -226,7 +226,7 @@ class Characteristic:
         inverse = np.where(own, 1 / (np.where(own, of_c, 1.0) * of_size), 0.0)
         B[:, j, j] = np.where(own, -inverse, 1.0)
         springs = np.where(own, -of_slope * inverse**2 * of_size, 0.1 / omega2[:, None])
-        outside = counts.sum(axis=1) - (large & (c > 0)).sum(axis=1)
+        outside = np.asarray(counts.sum(axis=1) - (large & (c > 0)).sum(axis=1))
         entries = (np.abs(c) + 2 * self.held + omega2[:, None] * np.abs(slope)) * size
         entries = np.where(large, entries / np.maximum(t, 1.0) ** 2, entries)
         error = 4 + p + sigma[..., 0] * scale.max(axis=1) + entries.sum(axis=1)
@@ -278,6 +278,9 @@ def characteristic(
     mechanism: Mechanism, pose: Pose, theory: Theory, elements: int | None = None
 ) -> Characteristic:
     """Return the problem at one pose. Raises `InputError` for a pose out of reach."""
-    known = constants(mechanism, theory)
-    lengths, vectors = geometry(known, mechanism, pose)
-    return Characteristic(known.rods, lengths[0], vectors.reshape(-1, 3, 6), elements)
+    return of_limbs(constants(mechanism, theory), limbs_at(mechanism, pose), elements)
+
+
+def of_limbs(known: Constants, limbs: Limbs, elements: int | None = None) -> Characteristic:
+    """Return the problem of `limbs` at one pose."""
+    return Characteristic(known.rods, limbs.lengths, limbs.directions @ known.unit, elements)

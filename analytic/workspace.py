@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analytic.errors import InputError, count, number
 from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
-from analytic.pose import Pose, closes
+from analytic.pose import Pose, check_poses, closes
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +65,9 @@ def margins(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
 
     In the order of `CONSTRAINTS`, negative outside; NaN where a joint cannot close.
     """
+    check_poses(mechanism, poses)
+    if not isinstance(limits, Limits):
+        raise InputError("limits", limits, "Limits")
     flat = Pose(*(np.ravel(value) for value in (poses.z, poses.azimuth, poses.tilt)))
     result = np.full((len(flat), len(mechanism.limbs), len(CONSTRAINTS)), np.nan)
     closed: Any = slice(None)

@@ -18,3 +18,10 @@ def test_pivots_that_vanish() -> None:
     for small in (0.0, 1e-18, -1e-18):
         D = np.array([[[small, 1.0], [1.0, small]], [[small, 1.0], [1.0, -3.0]], np.eye(2)])
         np.testing.assert_array_equal(negative(D), [1, 1, 0])
+
+
+def test_entries_that_grow_are_not_believed() -> None:
+    """After a pivot of 1e-20 nothing is left of the other entries; pivoting would keep them."""
+    D = np.array([[[1e-20, 1, 1], [1, 1, 0], [1, 0, c]] for c in (-5.0, -1.5, -0.5, 0.5, 5.0)])
+    wanted = (np.linalg.eigvalsh(D) < 0).sum(axis=1)
+    np.testing.assert_array_equal(negative(D), wanted)

@@ -267,9 +267,6 @@ def test_six_points_have_the_platform_s_mass_and_inertia(robot: Mechanism, case2
     np.testing.assert_allclose(x.sum(axis=0), 0, atol=1e-12)
     found = mass * ((x**2).sum() * np.eye(3) - x.T @ x)
     np.testing.assert_allclose(found, J, rtol=1e-10, atol=1e-12)
-    impossible = replace(robot, platform=Platform.diagonal(19.0, (0.1, 0.1, 0.5)))
-    with pytest.raises(ModelError, match=r"none have this inertia: one principal moment exceeds"):
-        CalculixSolid(4).modes(impossible, case2)
 
 
 @pytest.mark.parametrize("elements", [0, 1, -1, 2.0, "3", True])
