@@ -146,8 +146,8 @@ class Workspace(Result):
 
     def sentences(self) -> list[str]:
         """Return the region and the paper's two statements in plain sentences."""
-        name = label(self.map.model)
-        return [f"{line} ({name})" for line in verdicts(self.map.region, self.fine, self.shown)]
+        region, *statements = verdicts(self.map.region, self.fine, self.shown)
+        return [region, *(f"{line} ({label(self.map.model)})" for line in statements)]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the rows that the history keeps: one a pose and mode of the map."""
