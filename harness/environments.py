@@ -10,10 +10,10 @@ from pathlib import Path
 
 from analytic import Info, InputError, Modes
 from harness.answer import checked
-from harness.bench import LIMIT, SPARE, Listener, ModesTask, Silent, label
+from harness.bench import SPARE, Listener, ModesTask, Silent, label
 from harness.cases import Case
 from harness.tables import Cell, Number, Table
-from harness.workers import Children, Failure
+from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse
 
 EXAMPLE = "as in mujoco==3.17.0,mujoco==4.0.0"
