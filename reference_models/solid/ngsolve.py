@@ -270,7 +270,8 @@ def lowest(flexible: Operator, inertia: Operator, size: int, count: int) -> tupl
     """Return the lowest eigenvalues (count,) of (K, M) and mass-normalised vectors (size, count).
 
     Rayleigh-Ritz in the block Krylov space of K^-1 M from a random start, whose width lets modes
-    repeat. Raises `ModelError` where it does not converge.
+    repeat. Raises `ModelError` where it does not converge. `analytic` has a block
+    Lanczos too: they are two so that a slip in either shows.
     """
     width = min(count + 2, size)
     V = _orthonormal(np.random.default_rng(1).normal(size=(size, width)), inertia)
