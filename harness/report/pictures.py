@@ -16,7 +16,7 @@ TURN, HEIGHT = math.radians(-62), math.radians(20)
 """From where a mechanism is looked at."""
 WIDE, HIGH = 320.0, 260.0
 """Size of the drawing of a mechanism."""
-PANEL = {"width": 430.0, "height": 300.0, "left": 36.0, "right": 132.0, "top": 28.0, "bottom": 40.0}
+PANEL = {"width": 380.0, "height": 300.0, "left": 34.0, "right": 130.0, "top": 28.0, "bottom": 40.0}
 """Size and margins of a panel of Fig. 3."""
 LINE = 15.0
 """Height of a label: closer ones are one."""

@@ -27,10 +27,9 @@ if (budget) chart("budget-chart", ["budget-case", "budget-reference", "budget-el
   });
   // The value stands over the bar, where nothing lies under it.
   const top = modes.map((_, i) => here.shares[k].reduce((sum, part) => sum + Math.max(0, part[i] ?? 0), 0));
-  data.push({x: modes, y: top.map((y, i) => Math.max(y, (total[i] ?? 0) + (here.band[i] ?? 0))), mode: "text", quiet: true, hoverinfo: "skip",
-    text: total.map((value) => value === null ? "" : `<b>${signed(value, 2)}</b>`), textposition: "top center",
-    textfont: {color: css("--ink"), size: 12}, cliponaxis: false});
-  const layout = {barmode: "relative", xaxis: {}, yaxis: {title: {text: "share of the error [points]"}}};
+  const annotations = modes.map((x, i) => ({x, y: Math.max(top[i], (total[i] ?? 0) + (here.band[i] ?? 0)), yshift: 15,
+    text: total[i] === null ? "" : `<b>${signed(total[i], 2)}</b>`, showarrow: false, font: {color: css("--ink"), size: 12}}));
+  const layout = {annotations, barmode: "relative", xaxis: {}, yaxis: {title: {text: "share of the error [points]"}}};
   const bars = here.band.some((value) => value !== null) ? " Whiskers: the reference’s own numerical uncertainty." : "";
   const caption = `Error of ${one.theory} with ${s} ${s === "1" ? "element" : "elements"} a limb ` +
     `against ${reference}, ${name}, by cause, in percentage points of the reference.${bars}`;
