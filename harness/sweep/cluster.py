@@ -1,6 +1,10 @@
 """The jobs of a sweep on a Dask cluster: one that is reached, has workers, and keeps both."""
 
 import logging
+from collections.abc import Callable
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from threading import Thread
 from time import monotonic
 from typing import Any
 
@@ -27,7 +31,6 @@ class Cluster:
     def __init__(self, address: str, patience: Patience) -> None:
         try:
             import distributed
-            from dask import config
         except ImportError:
             raise self._refused(
                 address, "Dask: install rps-bench[cluster] here and on the workers"
@@ -40,9 +43,9 @@ class Cluster:
         try:
             # First, for a client that cannot read its address is never quite closed.
             dask.comm.get_address_host_port(address)
-            # A port that takes a connection and says nothing is waited for as long as is said here.
-            config.set({"distributed.comm.timeouts.connect": REACH})
-            self._client = dask.Client(address, timeout=REACH, set_as_default=False)
+            self._client = _within(
+                2 * REACH, lambda: dask.Client(address, timeout=REACH, set_as_default=False)
+            )
         except (OSError, ValueError, TypeError) as error:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise self._refused(
@@ -50,7 +53,7 @@ class Cluster:
             ) from None
         self.cores = self._threads()
         if not self.cores:
-            self._client.close()
+            self.close()
             raise self._refused(address, "a Dask cluster with at least one worker")
         self._gone: float | None = None
 
@@ -61,10 +64,7 @@ class Cluster:
     def _threads(self) -> int:
         """Return how many threads all workers have; 0 where the scheduler does not answer."""
         try:
-            told = self._client.sync(
-                self._client.scheduler.ncores, workers=None, callback_timeout=REACH
-            )
-            return sum(told.values())
+            return sum(_within(REACH, self._client.nthreads).values())
         except (OSError, RuntimeError, ValueError):
             return 0
 
@@ -89,4 +89,25 @@ class Cluster:
 
     def close(self) -> None:
         """Let go of the cluster; what it still holds of this run is dropped."""
-        self._client.close()
+        with suppress(OSError):
+            _within(REACH, self._client.close)
+
+
+def _within(seconds: float, call: Callable[[], Any]) -> Any:
+    """Return what `call` does, or raise `TimeoutError`: Dask waits for ever for a silent port."""
+    answers: SimpleQueue[Any] = SimpleQueue()
+
+    def ask() -> None:
+        try:
+            answers.put((call(), None))
+        except BaseException as error:
+            answers.put((None, error))
+
+    Thread(target=ask, daemon=True).start()
+    try:
+        answer, error = answers.get(timeout=seconds)
+    except Empty:
+        raise TimeoutError(f"no answer within {seconds:g} s") from None
+    if error is not None:
+        raise error
+    return answer
