@@ -57,8 +57,8 @@ def test_a_failing_job_costs_itself_only_and_says_why() -> None:
             assert found == Failure(expected[elements])
         else:
             assert isinstance(found, Answer)
-            expected = 1.0001 * condensed_frequencies(Mechanism.paper(), GOOD[start], count=4)
-            np.testing.assert_allclose(found.frequencies[0], expected, rtol=1e-9)
+            wanted = 1.0001 * condensed_frequencies(Mechanism.paper(), GOOD[start], count=4)
+            np.testing.assert_allclose(found.frequencies[0], wanted, rtol=1e-9)
 
 
 @pytest.mark.slow
