@@ -44,6 +44,8 @@ Row = dict[str, Any]
 MODES = 6
 STEPS = range(1, 9)
 ROUNDS = 11
+STEADY = 1.5
+"""Largest ratio of the quartiles of times that were measured in turns: 1.1 on a machine at rest."""
 THINNEST = 0.02
 LIMIT_ANGLES = (30.0, 45.0, 60.0)
 HEIGHTS = 801
@@ -220,7 +222,19 @@ def _timed(case: Case, models: Sequence[Named], bench: Bench, solved: list[Row])
 def times(case: Case, bench: Bench, solved: list[Row]) -> Times:
     """Return times of one pose without and with multipliers, measured in turns."""
     rivals = [Named("multipliers", PAPER_ELEMENTS, (("solver", solver),)) for solver in SOLVERS]
-    return Times(*(one.seconds for one in _timed(case, [PAPER, *rivals], bench, solved)))
+    found = Times(*(one.seconds for one in _timed(case, [PAPER, *rivals], bench, solved)))
+    steady(found)
+    return found
+
+
+def steady(found: Times) -> None:
+    """Raise `UnmeasuredError` where rounds differ by so much that their median is chance."""
+    for rival in (found.null_space, found.saddle_point):
+        low, high = np.percentile(found.own / rival, [25, 75])
+        if high > STEADY * low:
+            raise UnmeasuredError(
+                f"the machine is too busy: ratios of times have quartiles {low:.2f} and {high:.2f}"
+            )
 
 
 def fea_times(case: Case, bench: Bench, solved: list[Row]) -> FeaTimes:

@@ -15,7 +15,7 @@ from harness.plan import Plan
 from harness.studies import claims as study
 from harness.studies.claims import Claims, judge, measure, needed
 from harness.studies.claims.data import Claim, claims, select
-from harness.studies.claims.facts import GROUPS, PAPER, Facts
+from harness.studies.claims.facts import GROUPS, PAPER, Facts, Times
 from harness.studies.claims.measure import gather
 from harness.text import request
 from reference_models import Named, UnavailableError
@@ -152,3 +152,13 @@ def test_a_simulator_that_fails_is_no_fact(bench: Bench) -> None:
     with pytest.raises(measure.UnmeasuredError, match="exudyn-cable@0"):
         measure.reference([PRESETS["case1"]], Named("exudyn-cable", 0), bench, [])
     assert Facts(measure.printed()).beams is None
+
+
+def test_times_on_a_busy_machine_are_no_fact() -> None:
+    """Whatever their median says: the next run's would say something else."""
+    steady, rival = np.array([1.0, 1.05, 1.1, 1.0]), np.full(4, 2.0)
+    measure.steady(Times(steady, rival, rival))
+    busy = np.array([1.0, 1.0, 3.0, 3.0])
+    for times in (Times(busy, rival, busy * rival), Times(steady, steady, busy)):
+        with pytest.raises(measure.UnmeasuredError, match="too busy: ratios of times have"):
+            measure.steady(times)
