@@ -20,17 +20,18 @@ class Wrong:
     """A model of the study that asks another question, or changes the answer."""
 
     model: Named
+    elements: Any
     ask: Ask = lambda mechanism, pose: (mechanism, pose)
     after: Callable[[Modes], Modes] = lambda modes: modes
     factor: Callable[[Mechanism, Pose], float] = lambda mechanism, pose: 1.0
 
     @property
-    def name(self) -> str:
-        return self.model.name
+    def _asked(self) -> Named:
+        return replace(self.model, elements=self.elements)
 
     @property
-    def elements(self) -> Any:
-        return self.model.elements
+    def name(self) -> str:
+        return self.model.name
 
     @property
     def settings(self) -> Any:
@@ -38,20 +39,20 @@ class Wrong:
 
     @property
     def label(self) -> str:
-        return self.model.label
+        return self._asked.label
 
     def info(self) -> Info:
         """In this process: what is planted cannot be handed to another."""
-        return replace(self.model.info(), isolated=False)
+        return replace(self._asked.info(), isolated=False)
 
     def limit(self) -> Named | None:
-        return self.model.limit()
+        return self._asked.limit()
 
     def build(self) -> Any:
-        return self.model.build()
+        return self._asked.build()
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        modes = self.after(self.model.modes(*self.ask(mechanism, pose), count))
+        modes = self.after(self._asked.modes(*self.ask(mechanism, pose), count))
         return replace(modes, frequencies=modes.frequencies * self.factor(mechanism, pose))
 
     def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> np.ndarray:
@@ -62,7 +63,7 @@ def planted(plan: Plan, name: str, **wrong: Any) -> Plan:
     """Return the study with every mesh of one model wrong."""
 
     def change(models: tuple[Named, ...]) -> tuple[Any, ...]:
-        return tuple(Wrong(m, **wrong) if m.name == name else m for m in models)
+        return tuple(Wrong(m, m.elements, **wrong) if m.name == name else m for m in models)
 
     return replace(
         plan,
