@@ -42,13 +42,13 @@ def local(cores: int = 2, patience: Patience = Patience(5.0, 2)) -> Iterator[Loc
 def test_a_failing_job_costs_itself_only_and_says_why() -> None:
     expected = {
         CRASH: "its process was ended by SIGSEGV (2 of 2 tries)",
-        HANG: "gave no answer within the time limit of 0.5 s (2 of 2 tries)",
+        HANG: "gave no answer within the time limit of 3 s (2 of 2 tries)",
         REFUSE: "trial: will not",
         BUG: "ZeroDivisionError: a bug",
         EXIT: "its process ended by itself with status 7 (2 of 2 tries)",
     }
     tasks = [job for elements in expected for job in trial(elements)]
-    with local(patience=Patience(0.5, 2)) as chosen:
+    with local(patience=Patience(3.0, 2)) as chosen:
         results = {(job.model.elements, job.start): found for job, found in run(chosen, tasks)}
     assert len(results) == len(tasks)
     for (elements, start), found in results.items():
