@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -194,42 +194,49 @@ def jobs(plan: Plan) -> dict[str, Request]:
 
 
 def convergence_figure(result: Convergence) -> "Figure":
-    """Return Fig. 3: error against s, one panel a case, (a), (b) ...; hollow: printed values.
+    """Return Fig. 3: error against s, one panel a case, (a), (b) ...; stars: printed values.
 
     Against the theory's own limit the axes are logarithmic, and a line shows the formal order.
     """
     from matplotlib.figure import Figure
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import MaxNLocator, NullFormatter
 
     cases = list(result.errors)
-    figure = Figure(figsize=(5.2 * len(cases), 4.2), layout="constrained")
-    panels = figure.subplots(1, len(cases), squeeze=False, sharey=result.same_theory)[0]
+    figure = Figure(figsize=(5.2 * len(cases), 4.4), layout="constrained")
+    panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
+    positive = all((errors > 0).all() for errors in result.errors.values())
     for letter, (axes, case) in enumerate(zip(panels, cases, strict=True)):
         errors = result.errors[case]
         for i in result.shown:
-            style = {"color": COLOURS[(i - 1) % 6], "marker": MARKERS[(i - 1) % 6]}
+            style: dict[str, Any] = {"color": COLOURS[(i - 1) % 6], "marker": MARKERS[(i - 1) % 6]}
             values = np.abs(errors[:, i - 1]) if result.same_theory else errors[:, i - 1]
-            size = 9 - 4 * ((i - 1) % 2)
-            axes.plot(result.elements, values, **style, markersize=size, lw=1.2, label=f"$e_{i}$")
-            if result.same_theory:
-                continue
-            for s in result.elements:
+            # Of two curves that coincide the first is seen round the second, which is open.
+            even = i % 2 == 0
+            look = {"markersize": 5, "ls": "--"} if even else {"markersize": 9, "mfc": "white"}
+            axes.plot(result.elements, values, **style, **look, lw=1.2, label=f"$e_{i}$")
+            for s in () if result.same_theory else result.elements:
                 quoted = published.figure3().get((case.published, s, i))
                 if quoted is not None:
-                    axes.plot(s, quoted, **style, markersize=11, mfc="none", ls="none", alpha=0.6)
+                    axes.plot(s, quoted, "*", color=style["color"], ms=11, mec="white", mew=0.6)
         axes.set_xlabel("number of elements $s$")
         axes.set_title(f"({chr(97 + letter)}) {case.heading}", fontsize=11)
-        axes.grid(alpha=0.25)
+        axes.grid(alpha=0.25, which="both")
         if result.same_theory:
             _logarithmic(axes, result, errors)
+            continue
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        if positive:  # f1-f3 would lie on each other at the foot of f4-f6
+            axes.set_yscale("log")
+            axes.yaxis.set_major_formatter("{x:g}")
+            axes.yaxis.set_minor_formatter(NullFormatter())
         else:
             axes.axhline(0, color="0.4", lw=0.8)
-            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     what = "discretisation error" if result.same_theory else "relative error"
     panels[0].set_ylabel(f"{what} [%]")
-    panels[-1].legend(fontsize=9)
-    hollow = "" if result.same_theory else "; hollow: values printed in the paper"
-    figure.suptitle(f"{result.theory.name}@s against {result.reference.label}{hollow}", fontsize=10)
+    if not result.same_theory and any(case.published for case in cases):
+        panels[-1].plot([], [], "*", color="0.3", ms=11, mec="white", label="quoted in the paper")
+    panels[-1].legend(fontsize=9, ncols=2)
+    figure.suptitle(f"{result.theory.name}@s against {result.reference.label}", fontsize=10)
     return figure
 
 
