@@ -13,15 +13,10 @@ from harness.studies import STUDIES, Entry
 from harness.text import request
 from reference_models import ModelError, UnavailableError
 
-TOP = """# Summary
-
-Written by `rps-bench reproduce`, about the cases {cases}. `--only NAME,NAME` makes single parts.
-{seconds}
-"""
-SECONDS = {
-    False: "Parts that hold seconds are in `seconds.md`; this depends on the programs alone.",
-    True: "These parts hold seconds, which differ from run to run; `summary.md` has the others.",
-}
+TOP = "# {title}\n\nFrom `rps-bench reproduce`, about the cases {cases}. {more}\n"
+SUMMARY = "All that was found is in `findings.md`, what holds seconds in `seconds.md`."
+FINDINGS = "This depends on the programs alone; `seconds.md` differs from run to run."
+SECONDS = "These differ from run to run; `findings.md` has what does not."
 
 
 @dataclass(frozen=True)
@@ -77,14 +72,30 @@ def jobs(entry: Entry, module: ModuleType, plan: Plan) -> dict[str, Request]:
 
 
 def summaries(plan: Plan, parts: Sequence[Part]) -> dict[str, bytes]:
-    """Return what the results say, study by study, as Markdown; seconds in a file of their own."""
-    files = {}
-    for name, timed in (("summary.md", False), ("seconds.md", True)):
-        cases = ", ".join(case.name for case in plan.cases)
-        lines = [TOP.format(cases=cases, seconds=SECONDS[timed])]
-        for part in parts:
-            if part.entry.timed == timed:
-                lines.append(f"## {part.entry.title}\n\nFrom `rps-bench {part.entry.name}`.\n")
-                lines.append("".join(f"- {line}\n" for line in part.sentences()) or "- nothing\n")
-        files[name] = "\n".join(lines).encode()
-    return files
+    """Return what the results say as Markdown: the most important in one screen, and all of it.
+
+    Seconds are in a file of their own.
+    """
+    cases = ", ".join(case.name for case in plan.cases)
+    lasting, timed = ([p for p in parts if p.entry.timed is kind] for kind in (False, True))
+    files = {
+        "summary.md": TOP.format(title="Summary", cases=cases, more=SUMMARY) + "\n" + short(lasting)
+    }
+    for name, title, more, some in (
+        ("findings.md", "Findings", FINDINGS, lasting),
+        ("seconds.md", "Seconds", SECONDS, timed),
+    ):
+        lines = [TOP.format(title=title, cases=cases, more=more)]
+        for part in some:
+            lines.append(f"## {part.entry.title}\n\nFrom `rps-bench {part.entry.name}`.\n")
+            lines.append("".join(f"- {line}\n" for line in part.sentences()) or "- nothing\n")
+        files[name] = "\n".join(lines)
+    return {name: text.encode() for name, text in files.items()}
+
+
+def short(parts: Sequence[Part]) -> str:
+    """Return the most important sentences, one a line."""
+    lead = [
+        (part.entry.title, line) for part in parts for line in part.sentences()[: part.entry.lead]
+    ]
+    return "".join(f"- {title}: {line}\n" for title, line in lead)

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from harness.cli import flags
-from harness.cli.terminal import Bar, Written, append_rows
+from harness.cli.terminal import Bar, Written, finish
 
 LATEST = "results/latest"
 
@@ -39,16 +39,11 @@ def reproduce(
             parts.append(part)
             bar.done(part.entry.title)
     results = {stem: result for part in parts for stem, result in part.results.items()}
-    if history is not None:
-        append_rows(history, results)
+    kept = finish(results, None, history)
     last = job.summaries(asked, parts)
     last |= page_files(asked, parts, history, flags.as_typed(without=("only",)))
     written += len(write_all(output, last))
-    for part in parts:
-        click.echo(f"{part.entry.title}:")
-        for line in part.sentences():
-            click.echo(f"  - {line}")
-    click.echo(f"{written} files in {output}/; start with {output / 'summary.md'}")
-    failures = {what: why for result in results.values() for what, why in result.failures().items()}
-    failures |= {part.entry.title: part.why for part in parts if part.why}
-    return Written((), failures).say()
+    click.echo(job.short(parts), nl=False)
+    click.echo(f"{written} files in {output}/; start with {output / 'index.html'}")
+    failures = dict(kept.failures) | {part.entry.title: part.why for part in parts if part.why}
+    return Written((), failures, kept.unwritten).say()

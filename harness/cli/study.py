@@ -9,7 +9,6 @@ import click
 from harness.cli import flags
 from harness.cli.terminal import Bar, finish, show
 from harness.request import Request
-from harness.result import Result
 from harness.studies import STANDARD, Entry, find
 
 
@@ -35,7 +34,7 @@ def study_command(name: str) -> click.Command:
         return written.say()
 
     made: Callable[..., Any] = command
-    made = flags.time_limit()(flags.history()(flags.output()(made)))
+    made = flags.time_limit()(flags.history()(flags.output(getattr(module, "OUTPUT", None))(made)))
     for own in reversed(getattr(module, "OPTIONS", ())):
         made = flags.option(own.name, own.metavar, own.help)(made)
     made = flags.standard(*getattr(module, "TAKES", STANDARD))(made)
@@ -50,6 +49,3 @@ def _requests(entry: Entry, module: Any, asked: Request) -> dict[str, Request]:
     if not getattr(module, "EACH_REFERENCE", False) or len(asked.references) == 1:
         return {stem: asked}
     return {f"{stem}-{one.label}": asked.with_(references=(one,)) for one in asked.references}
-
-
-Results = dict[str, Result]

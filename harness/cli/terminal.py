@@ -28,9 +28,7 @@ class Bar:
             TextColumn,
             TimeRemainingColumn,
         )
-        from rich.text import Text
 
-        self._text = Text
         console = Console(stderr=True)
         self._bar = Progress(
             TextColumn("{task.description:40.40}", markup=False),
@@ -67,19 +65,22 @@ class Written:
 
     paths: tuple[Path, ...]
     failures: Mapping[str, str]
+    unwritten: Exception | None = None
 
     def say(self) -> int:
-        """Name files and failures; return the exit status."""
+        """Name files and failures; return the exit status. Raises why the history is not kept."""
         for path in self.paths:
             click.echo(f"wrote {path}")
         for what, why in self.failures.items():
             click.echo(f"rps-bench: {what} failed: {why}", err=True)
+        if self.unwritten is not None:
+            raise self.unwritten
         return 1 if self.failures else 0
 
 
 def finish(results: Mapping[str, "Result"], output: Path | None, history: Path | None) -> Written:
     """Write the results' files and their rows of the history; return what was written."""
-    from harness.output import result_files, write_all
+    from harness.output import OutputError, result_files, write_all
 
     paths: list[Path] = []
     if output is not None:
@@ -87,12 +88,16 @@ def finish(results: Mapping[str, "Result"], output: Path | None, history: Path |
         for stem, result in results.items():
             files |= result_files(result, stem)
         paths = write_all(output, files)
+    unwritten = None
     if history is not None:
-        append_rows(history, results)
+        try:
+            append_rows(history, results)
+        except OutputError as error:  # what was found is shown all the same
+            unwritten = error
     failures: dict[str, str] = {}
     for result in results.values():
         failures |= result.failures()
-    return Written(tuple(paths), failures)
+    return Written(tuple(paths), failures, unwritten)
 
 
 KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")

@@ -5,6 +5,7 @@ A study is a module with `run(request, bench) -> Result`, and where the defaults
 - `TAKES`: names of the standard arguments that it takes (default: all of `STANDARD`);
 - `DEFAULTS`: texts of standard arguments that differ from the usual ones;
 - `STEM`: what its files are called (default: its name);
+- `OUTPUT`: the folder that its files go to where none is named (default: none is written);
 - `OPTIONS`: its own arguments, each an `Option`;
 - `EACH_REFERENCE`: true where it compares with one reference, and runs once for each of several;
 - `jobs(plan) -> {stem: Request}`: what the main job asks of it (default: the plan as it is, written
@@ -23,7 +24,8 @@ STANDARD = ("cases", "case_file", "references", "elements", "modes", "model", "s
 class Entry:
     """One study: `name` of its command, `module`, and what it shows, in a whole sentence.
 
-    `timed`: whether its answer holds seconds, which differ from run to run.
+    `timed`: whether its answer holds seconds, which differ from run to run; `lead`: how many of its
+    sentences belong in a summary.
     """
 
     name: str
@@ -31,6 +33,7 @@ class Entry:
     help: str
     title: str
     timed: bool = False
+    lead: int = 1
 
     def load(self) -> ModuleType:
         """Return the module, loaded now."""
@@ -39,7 +42,8 @@ class Entry:
 
 STUDIES = (
     Entry("table", "harness.studies.table",
-          "Compare models at cases as Table I does, beside what the paper prints.", "Table I"),
+          "Compare models at cases as Table I does, beside what the paper prints.", "Table I",
+          lead=4),
     Entry("convergence", "harness.studies.convergence",
           "Show the error against the number of elements s, as Fig. 3 does.",
           "Fig. 3 and discretisation"),

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 Array = NDArray[np.float64]
+OUTPUT = "shapes"
 AMPLITUDE = 0.2
 """Largest displacement drawn, relative to the mean limb length."""
 _RING = np.linspace(0, 2 * np.pi, 33)

@@ -256,10 +256,11 @@ def _printed(
 
 def against_print(study: Study, theory: Model, printed: Sequence[Case]) -> list[str]:
     """Return how far `theory` is from the printed values, and which printed errors are wrong."""
+    count = min(6, study.count)
     off = np.concatenate([
         relative_error(
-            study.answers[case, theory].frequencies[:6],
-            np.array(published.table1()[case.published, "Theoretical"]),
+            study.answers[case, theory].frequencies[:count],
+            np.array(published.table1()[case.published, "Theoretical"])[:count],
         )
         for case in printed
     ])  # fmt: skip
@@ -309,10 +310,11 @@ def causes(study: Study, theory: Model) -> list[str]:
     for richer in exact_chain(theory)[-1:]:
         beam = _errors(study, limit, richer)
         if beam.size and richer != limit:
+            groups = [("f1-f3", beam[:, :3]), ("f4-f6", beam[:, 3:6])]
+            costs = " and ".join(f"{span(part)} on {name}" for name, part in groups if part.size)
             lines.append(
                 f"Beam theory ({label(limit)} against {label(richer)}, both without elements) "
-                f"costs {span(beam[:, :3])} on f1-f3 and {span(beam[:, 3:6])} on f4-f6, and no "
-                "number of elements removes that."
+                f"costs {costs}, and no number of elements removes that."
             )
     return lines
 

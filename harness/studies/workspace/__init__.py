@@ -79,6 +79,7 @@ def _layers(text: str) -> NDArray[np.float64]:
     return np.array(values) / 1000
 
 
+OUTPUT = "workspace"
 TAKES = ("cases", "case_file", "modes", "model", "shear")
 DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
 OPTIONS = (
