@@ -5,7 +5,7 @@ The statements are about the paper's own mechanism: no cases and no `case_file` 
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from harness.bench import Bench
 from harness.plan import Plan
@@ -13,13 +13,12 @@ from harness.request import Option, Request
 from harness.result import Result
 from harness.studies.claims import (  # noqa: F401  each adds its checks
     check_cost,
-    check_elements,
     check_equations,
-    check_frequencies,
+    check_models,
     check_printed,
     check_workspace,
 )
-from harness.studies.claims.data import CHECKS, KINDS, Claim, Finding, claims, rules, select
+from harness.studies.claims.data import CHECKS, KINDS, RULES, Claim, Finding, claims, select
 from harness.studies.claims.facts import Facts
 from harness.studies.claims.measure import gather
 from harness.tables import Table
@@ -43,8 +42,7 @@ LONG = 10
 """More claims than this are a long list."""
 
 
-@dataclass(frozen=True)
-class Checked:
+class Checked(NamedTuple):
     """A claim with its finding."""
 
     claim: Claim
@@ -52,19 +50,8 @@ class Checked:
 
     def row(self) -> dict[str, str]:
         """Return every field in words."""
-        claim, finding = self.claim, self.finding
-        return {
-            "id": claim.id,
-            "section": claim.section,
-            "quoted": claim.quoted,
-            "measured": finding.measured,
-            "uncertainty": finding.uncertainty,
-            "verdict": finding.verdict,
-            "command": claim.command,
-            "kind": finding.kind,
-            "how": claim.how,
-            "erratum": claim.erratum,
-        }
+        every = vars(self.claim) | vars(self.finding) | {"kind": self.finding.kind}
+        return {name: every[name] for name in (*COLUMNS, "kind", "how", "erratum")}
 
 
 @dataclass(frozen=True)
@@ -96,13 +83,12 @@ class Claims(Result):
         return {"": whole} if len(self.found) <= LONG else {"": whole, "-short": self._table(SHORT)}
 
     def _table(self, columns: Sequence[str]) -> Table:
-        limits = rules()
         notes = (
             "; ".join(f"{number} {kind}" for kind, number in self.counts().items()),
-            f"printed numbers agree within half a unit of their last digit ({limits.rounding:g}) "
+            f"printed numbers agree within half a unit of their last digit ({RULES.rounding:g}) "
             "and the measured uncertainty; two frequencies are the same within "
-            f"{limits.agrees_percent:g} %; significant is more than "
-            f"{limits.significant_percent:g} %, the error that the paper itself calls acceptable",
+            f"{RULES.agrees_percent:g} %; significant is more than "
+            f"{RULES.significant_percent:g} %, the error that the paper itself calls acceptable",
             *(f"not checked: {name}: {why}" for name, why in self.unchecked.items()),
         )
         rows = tuple(tuple(checked.row()[name] for name in columns) for checked in self.found)
@@ -112,8 +98,7 @@ class Claims(Result):
     def sentences(self) -> list[str]:
         """Return how many statements there are of each verdict, then those that fail."""
         counts = ", ".join(f"{number} {kind}" for kind, number in self.counts().items())
-        lines = [f"Of {len(self.found)} statements of the paper: {counts}."]
-        return lines + [
+        return [f"Of {len(self.found)} statements of the paper: {counts}."] + [
             f"{checked.claim.id}: {checked.finding.verdict}."
             for checked in self.found
             if checked.finding.kind == KINDS[-1]
@@ -147,7 +132,7 @@ def judge(
         if gaps:
             unchecked[claim.id] = "; ".join(dict.fromkeys(gaps))
         else:
-            found.append(Checked(claim, check(facts, claim, rules())))
+            found.append(Checked(claim, check(facts, claim.args)))
     return found, unchecked
 
 
@@ -166,6 +151,3 @@ def run(request: Request, bench: Bench) -> Claims:
 def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: every claim, unless it is about a mechanism of the user's."""
     return {} if plan.case_file else {"claims": plan.request()}
-
-
-__all__ = ["COLUMNS", "OPTIONS", "TAKES", "Checked", "Claims", "jobs", "judge", "needed", "run"]

@@ -10,10 +10,11 @@ from scipy.spatial.transform import Rotation
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
 from harness.cases import Case
-from harness.studies.claims.facts import PHI, THETA, Equations, Floats
+from harness.studies.claims.facts import STEPS, Equations, Floats
 
+PHI, THETA = np.radians([10.0, -12.0])
+"""The angles of Case 2 [rad]."""
 POSES = 200
-SIZES = range(1, 9)
 STEP = 1e-4
 """Rotation by which Eq. (10) is differentiated, centrally [rad]."""
 
@@ -89,7 +90,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
         lengths_apart=float(np.abs(lengths - limbs_at(mechanism, poses).lengths).max()),
         compatibility=_compatibility(mechanism, formulas.arm),
         freedoms=_freedoms(cases[-1]),
-        sizes={s: _sizes(cases[0], s) for s in SIZES},
+        sizes={s: _sizes(cases[0], s) for s in STEPS},
         headings=headings,
         eq17=np.abs(axes[..., 1]).min(axis=(1, 2)),
         eq18=np.abs(axes[..., 0]).min(axis=(1, 2)),

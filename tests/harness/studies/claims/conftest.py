@@ -5,14 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.studies.claims import judge
 from harness.studies.claims.data import CANNOT, CHECKS, FAILS, HOLDS, ONLY_IF, Claim
 from harness.studies.claims.equations import equations
-from harness.studies.claims.facts import CASES, Facts, FeaTimes, Reference, Times
-from harness.studies.claims.measure import beams, maps, printed, slender
+from harness.studies.claims.facts import CASES, PAPER, Facts, Reference, Spent
+from harness.studies.claims.measure import beams, maps, slender
+from harness.studies.cost import counted
 
 TABLE = [PRESETS[name] for name in CASES]
 
@@ -73,18 +75,24 @@ def facts(bench: Bench) -> Facts:
     """All but the maps. Timings are made up: a test must not depend on how busy a machine is."""
     noise = np.array([0.99, 1.0, 1.01])
     return Facts(
-        printed(),
         beams=beams(TABLE, bench, []),
         fea=_solved_once("exudyn-beam@12+24", 2e-3),
         solid=_solved_once("ngsolve-solid@2+4", 4e-4),
         slender=slender(TABLE, bench, []),
         equations=equations(TABLE),
-        times=Times(0.005 * noise, 0.0045 * noise, 0.01 * noise),
-        fea_times=FeaTimes(
-            0.005 * noise,
-            {"exudyn-beam@12+24": 0.03 * noise, "calculix-solid@8+12": np.array([14.5])},
-        ),
+        times=spent(null_space=0.0045 * noise, saddle_point=0.01 * noise),
+        fea_times={
+            PAPER.label: 0.005 * noise,
+            "exudyn-beam@12+24": 0.03 * noise,
+            "calculix-solid@8+12": np.array([14.5]),
+        },
     )
+
+
+def spent(**seconds: NDArray[np.float64]) -> dict[str, Spent]:
+    """Seconds that are made up, with the operations that are counted."""
+    ways = {"paper": np.full(3, 0.005)} | {k.replace("_", "-"): v for k, v in seconds.items()}
+    return {name: Spent(t, t.min() / 2, counted(name, 3, 3).flops) for name, t in ways.items()}
 
 
 def _solved_once(label: str, uncertainty: float) -> Reference:
@@ -96,7 +104,7 @@ def _solved_once(label: str, uncertainty: float) -> Reference:
 @pytest.fixture(scope="session")
 def mapped_facts(facts: Facts, bench: Bench) -> Facts:
     """With the maps, which take seconds."""
-    return replace(facts, maps=maps(PRESETS["case1"], bench, []))
+    return replace(facts, maps=maps(TABLE, bench, []))
 
 
 @pytest.fixture
