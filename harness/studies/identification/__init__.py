@@ -27,7 +27,9 @@ def run(request: Request, bench: Bench) -> "Identification":
     """
     from pathlib import Path
 
+    from analytic import InputError
     from harness.studies.identification.estimate import identify, readings
+    from harness.studies.identification.parameters import INERTIAS
     from harness.studies.identification.problem import Problem
     from harness.studies.identification.result import Identification, solved
     from harness.studies.identification.table import published_table, read_table
@@ -38,39 +40,30 @@ def run(request: Request, bench: Bench) -> "Identification":
         table = published_table(given["method"] or "Theoretical", request.cases)
     else:
         table = read_table(Path(given["table"]), given["method"], request.cases)
-    names = given["parameters"]
+    names, bounds = given["parameters"], given["bounds"]
     chosen = given["candidates"] or (PAPER_CANDIDATES if ours else names)
     frames = FRAMES[given["frames"] or ("both" if ours else "stated")]
-    bounds = _bounds(given["bounds"], names, chosen)
-    of_fit = {name: pair for name, pair in bounds.items() if name in names}
-    of_readings = {name: pair for name, pair in bounds.items() if name in chosen}
-    models = tuple(dict.fromkeys((request.theory, *request.references)))
+    for name in bounds:
+        if name not in (*names, *chosen):
+            known = ", ".join(sorted({*names, *chosen}))
+            raise InputError("bounds", name, f"NAME=LOW..HIGH with one of {known}")
     problems = [
-        Problem(table, models[0], names, given["inertia"], slip, of_fit) for slip in frames
-    ]  # fmt: skip
-    for model in models:  # refused before any work
-        Problem(table, model, chosen, bounds=of_readings, argument="candidates")
-    tell = bench.listener
-    tell.expect(len(problems) + len(models) * (len(frames) + (False in frames)))
-    fits, search = [], {"starts": given["starts"], "seed": given["seed"]}
+        Problem(table, request.theory, names, given["inertia"], slip, bounds) for slip in frames
+    ]
+    wholes = [
+        Problem(table, model, chosen, inertia, slip, bounds, "candidates")
+        for model in dict.fromkeys((request.theory, *request.references))
+        for inertia in INERTIAS
+        for slip in frames
+        if inertia == "disc" or not slip  # one slip at most
+    ]
+    tell, fits = bench.listener, []
+    tell.expect(len(problems) + len(wholes))
     for problem in problems:
-        fits.append(identify(problem, noise=given["noise"], **search))
+        fits.append(identify(problem, given["noise"], given["starts"], given["seed"]))
         tell.done("parameters")
-    ranked = readings(table, chosen, models, of_readings, most=given["free"], frames=frames,
-                      seed=given["seed"], done=tell.done)  # fmt: skip
+    ranked = readings(wholes, given["free"], given["seed"], tell.done)
     return Identification(tuple(fits), tuple(ranked), tuple(solved(fits, ranked, bench)))
-
-
-def _bounds(
-    given: dict[str, tuple[float, float]], *known: tuple[str, ...]
-) -> dict[str, tuple[float, float]]:
-    from analytic import InputError
-
-    names = sorted({name for some in known for name in some})
-    for name in given:
-        if name not in names:
-            raise InputError("bounds", name, f"NAME=LOW..HIGH with one of {', '.join(names)}")
-    return given
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

@@ -1,34 +1,22 @@
 """Which products of powers of the parameters a table pins down, and which it cannot see."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from harness.studies.identification.fit import central_jacobian
 from harness.studies.identification.parameters import PARAMETERS
 from harness.studies.identification.problem import Problem
-from harness.studies.identification.table import FrequencyTable
 
 Floats = NDArray[np.float64]
 
-EVERYTHING = (
-    "z_mm",
-    "base_radius_mm",
-    "platform_radius_mm",
-    "disc_radius_mm",
-    "platform_thickness_mm",
-    "rod_diameter_mm",
-    "young_GPa",
-    "density_kg_m3",
-    "azimuth_deg",
-    "tilt_deg",
-)
-"""What the directions are made of; a second density would only repeat the thickness."""
 UNSEEN = 1e-6
 """A direction with this part of the largest singular value is one that no table can show."""
+STEP = 3e-4
+"""Of a central difference, over the distance between the bounds."""
 
 
 @dataclass(frozen=True)
@@ -60,26 +48,25 @@ class Quantity:
     after: float
 
 
-def sensitivities(problem: Problem, values: dict[str, float]) -> tuple[Problem, Floats, Floats]:
-    """Return the problem of EVERYTHING, its x at `values`, and the weighted d ln f / d ln p there.
+def sensitivities(problem: Problem, values: Mapping[str, float]) -> tuple[Problem, Floats, Floats]:
+    """Return the problem of all parameters, its x at `values`, and weighted d ln f / d ln p there.
 
-    Shape (cases * modes, parameters). Without a tilted case the angles are left out.
+    Shape (cases * modes, parameters). Without a tilted case the angles are left out, and always the
+    platform's density, which would only repeat its thickness.
     """
-    whole = replace(problem, names=_known_to(problem.table), bounds={})
-    tilted = max(range(len(whole.base)), key=lambda k: abs(whole.base[k]["tilt_deg"]))
-    base = whole.base[tilted] | values
-    x = np.array([whole.to_x(name, base[name]) for name in whole.names])
-    low, high = whole.limits
+    tilted = max(problem.base, key=lambda base: abs(base["tilt_deg"]))
+    lengths = [name for name, parameter in PARAMETERS.items() if not parameter.angle]
+    lengths.remove("platform_density_kg_m3")
+    names = (*lengths, *(("azimuth_deg", "tilt_deg") if tilted["tilt_deg"] else ()))
+    whole = replace(problem, names=names, bounds={})
+    own = np.array([{**tilted, **values}[name] for name in names])
+    x, (low, high) = whole.to_x(own), whole.limits
+    steps = STEP * (high - low)
+    both = np.concatenate([x + np.diag(steps), x - np.diag(steps)])
     residuals = whole.residuals(problem.table.logarithms[None])
-    J = central_jacobian(residuals, x, low, high)
-    scale = [base[name] if PARAMETERS[name].angle else 1.0 for name in whole.names]
-    return whole, x, J * scale
-
-
-def _known_to(table: FrequencyTable) -> tuple[str, ...]:
-    """Return EVERYTHING, without the angles if no case is tilted."""
-    tilted = any(case.pose.tilt != 0 for case in table.cases)
-    return tuple(name for name in EVERYTHING if tilted or not PARAMETERS[name].angle)
+    up, down = np.split(residuals(both, np.zeros(len(both), dtype=np.intp)), 2)
+    scale = np.where([kind.angle for kind in whole.kinds], own, 1.0)
+    return whole, x, ((up - down) / (2 * steps[:, None])).T * scale
 
 
 def directions(names: Sequence[str], J: Floats, noise: float) -> list[Direction]:
@@ -101,58 +88,44 @@ def directions(names: Sequence[str], J: Floats, noise: float) -> list[Direction]
 
 def quantities(whole: Problem, x: Floats, J: Floats, noise: float) -> list[Quantity]:
     """Return the named combinations, with young and density known and all else within bounds."""
-    angles = np.array([PARAMETERS[name].angle for name in whole.names])
     low, high = whole.limits
     own = whole.from_x(x)
-    scale = np.where(angles, own, 1.0)
-    prior = (high - low) / np.sqrt(12) / np.abs(scale)
+    scale = np.where([kind.angle for kind in whole.kinds], np.abs(own), 1.0)
+    prior = ((high - low) / np.sqrt(12) / scale) ** 2
     keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
-    information = J[:, keep].T @ J[:, keep] / noise**2 + np.diag(prior[keep] ** -2.0)
+    information = J[:, keep].T @ J[:, keep] / noise**2 + np.diag(1 / prior[keep])
     covariance = np.linalg.inv(information)
-    values = dict(zip(whole.names, own, strict=True))
+    steps = 1e-5 * np.eye(len(x))[keep]
+    at, up, down = (
+        combinations(dict(zip(whole.names, (own * np.exp(step)).T, strict=True)))
+        for step in (np.zeros(len(x)), steps, -steps)
+    )
     found = []
-    for name, quantity in QUANTITIES.items():
-        if "theta" in name and "tilt_deg" not in values:
-            continue
-        gradient = np.array([_slope(quantity, values, whole.names[k]) for k in keep])
-        before = np.sqrt((gradient**2 * prior[keep] ** 2).sum())
-        after = np.sqrt(gradient @ covariance @ gradient)
-        found.append(Quantity(name, quantity(values), float(before), float(after)))
+    for name, value in at.items():
+        slope = (np.log(np.abs(up[name])) - np.log(np.abs(down[name]))) / 2e-5
+        before, after = np.sqrt(slope**2 @ prior[keep]), np.sqrt(slope @ covariance @ slope)
+        found.append(Quantity(name, float(value), float(before), float(after)))
     return found
 
 
-def _slope(
-    quantity: Callable[[dict[str, float]], float], values: dict[str, float], name: str
-) -> float:
-    """Return d ln q / d ln p by a central difference."""
-    h = 1e-5
-    up, down = ({**values, name: values[name] * factor} for factor in (np.exp(h), np.exp(-h)))
-    return float((np.log(abs(quantity(up))) - np.log(abs(quantity(down)))) / (2 * h))
+def combinations(p: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the combinations with a name, of numbers or arrays in the units of their names.
 
-
-def _length(p: dict[str, float]) -> float:
-    """Return the limb's length without tilt [m]."""
-    across = p["base_radius_mm"] - p["platform_radius_mm"]
-    return float(np.hypot(p["z_mm"], across) / 1e3)
-
-
-def _platform_mass(p: dict[str, float]) -> float:
-    """Return the platform's mass over that of three limbs."""
-    platform = p["disc_radius_mm"] ** 2 * p["platform_thickness_mm"]
-    return platform / (3 * p["rod_diameter_mm"] ** 2 / 4 * 1e3 * _length(p))
-
-
-QUANTITIES: dict[str, Callable[[dict[str, float]], float]] = {
-    "d / L^2 [1/m]": lambda p: p["rod_diameter_mm"] / 1e3 / _length(p) ** 2,
-    "L [m]": _length,
-    "d / L": lambda p: p["rod_diameter_mm"] / 1e3 / _length(p),
-    "r1 / L": lambda p: p["base_radius_mm"] / 1e3 / _length(p),
-    "r2 / L": lambda p: p["platform_radius_mm"] / 1e3 / _length(p),
-    "(r2 - r1) / L": lambda p: (p["platform_radius_mm"] - p["base_radius_mm"]) / 1e3 / _length(p),
-    "Jz / (m r2^2)": lambda p: 0.5 * (p["disc_radius_mm"] / p["platform_radius_mm"]) ** 2,
-    "m / (three limbs)": _platform_mass,
-    "r2 sin(theta) / L": lambda p: (
-        p["platform_radius_mm"] / 1e3 * abs(np.sin(np.radians(p["tilt_deg"]))) / _length(p)
-    ),
-}
-"""L is the length of a limb without tilt, m the platform's mass."""
+    L is the length of a limb without tilt, m the platform's mass.
+    """
+    r1, r2, R = (p[f"{name}_radius_mm"] / 1e3 for name in ("base", "platform", "disc"))
+    z, h, d = (p[f"{name}_mm"] / 1e3 for name in ("z", "platform_thickness", "rod_diameter"))
+    L = np.hypot(z, r1 - r2)
+    found = {
+        "d / L^2 [1/m]": d / L**2,
+        "L [m]": L,
+        "d / L": d / L,
+        "r1 / L": r1 / L,
+        "r2 / L": r2 / L,
+        "(r2 - r1) / L": (r2 - r1) / L,
+        "Jz / (m r2^2)": 0.5 * (R / r2) ** 2,
+        "m / (three limbs)": R**2 * h / (3 * d**2 / 4 * L),
+    }
+    if "tilt_deg" in p:
+        found["r2 sin(theta) / L"] = r2 * np.abs(np.sin(np.radians(p["tilt_deg"]))) / L
+    return found

@@ -6,7 +6,6 @@ which fit each row belongs to. What is minimised is S, the sum of their squares.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,15 +27,6 @@ CLOSE = 1e-3
 """Relative error of a profile's height at an end."""
 
 
-@dataclass(frozen=True)
-class Minima:
-    """Where B fits ended: `points` (B, P), S `sums` (B,), and whether they `settled` (B,)."""
-
-    points: Floats
-    sums: Floats
-    settled: Flags
-
-
 def minimise(
     residuals: Residuals,
     start: Floats,
@@ -45,8 +35,8 @@ def minimise(
     upper: Floats,
     owner: NDArray[np.intp] | None = None,
     steps: int = 60,
-) -> Minima:
-    """Return the minima that Levenberg's and Marquardt's steps reach from `start` (B, P).
+) -> tuple[Floats, Floats]:
+    """Return minima (B, P) that Levenberg's and Marquardt's steps reach from `start`, and S (B,).
 
     Only parameters that are `free` (B, P) move, within `lower` and `upper` (P,). At a bound that
     the gradient points through, a parameter rests. `owner` (B,) is what `residuals` is told, by
@@ -59,11 +49,10 @@ def minimise(
     J = np.zeros((*values.shape, points.shape[1]))
     damping, fresh = np.full(len(points), 1e-3), np.ones(len(points), dtype=bool)
     scale = np.zeros(points.shape)
-    left, settled = np.arange(len(points)), np.zeros(len(points), dtype=bool)
+    left = np.arange(len(points))
     for _ in range(steps):
         new = left[fresh[left]]
-        inwards = _inwards(points[new], lower, upper)
-        J[new] = jacobian(residuals, points[new], values[new], free[new], inwards, owner[new])
+        J[new] = jacobian(residuals, points[new], values[new], free[new], lower, upper, owner[new])
         g = np.einsum("bmp,bm->bp", J[left], values[left])
         A = np.einsum("bmp,bmq->bpq", J[left], J[left])
         at = points[left]
@@ -89,11 +78,10 @@ def minimise(
         points[won], values[won], sums[won] = trial[better], found[better], after[better]
         damping[left] *= np.where(better, 0.2, 8.0)
         fresh[left] = better
-        settled[left[done]] = True
         left = left[~done]
         if not left.size:
             break
-    return Minima(points, sums, settled)
+    return points, sums
 
 
 def jacobian(
@@ -101,30 +89,19 @@ def jacobian(
     points: Floats,
     values: Floats,
     free: Flags,
-    steps: Floats,
+    lower: Floats,
+    upper: Floats,
     owner: NDArray[np.intp],
 ) -> Floats:
-    """Return d residuals / d points (B, m, P), zero where not `free`, by one-sided differences.
-
-    `steps` (B, P) may have either sign; the mean of both signs is a central difference.
-    """
+    """Return d residuals / d points (B, m, P), zero where not `free`, by differences inwards."""
     row, column = np.nonzero(free)
-    J = np.zeros((*points.shape, values.shape[1]))
-    if not len(row):
-        return np.asarray(J.swapaxes(1, 2))
-    ahead, size = points[row], steps[row, column]
+    size = STEP * (upper - lower)
+    size = np.where(points + size > upper, -size, size)[row, column]
+    ahead = points[row]
     ahead[np.arange(len(row)), column] += size
-    J[row, column] = (residuals(ahead, owner[row]) - values[row]) / size[:, None]
-    return np.asarray(J.swapaxes(1, 2))
-
-
-def central_jacobian(residuals: Residuals, point: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Return d residuals / d point (m, P) at one `point` (P,), to 1e-6 and better."""
-    steps = np.broadcast_to(30 * STEP * (upper - lower), (1, len(point)))
-    one, owner = point[None], np.zeros(1, dtype=np.intp)
-    values, free = residuals(one, owner), np.ones((1, len(point)), dtype=bool)
-    sides = [jacobian(residuals, one, values, free, h, owner)[0] for h in (steps, -steps)]
-    return np.asarray((sides[0] + sides[1]) / 2)
+    J = np.zeros((*values.shape, points.shape[1]))
+    J[row, :, column] = (residuals(ahead, owner[row]) - values[row]) / size[:, None]
+    return J
 
 
 def search(
@@ -136,8 +113,8 @@ def search(
     *,
     starts: int = 8,
     seed: int = 0,
-) -> tuple[Minima, NDArray[np.intp]]:
-    """Return the lowest minimum of each of F fits, and how many of its starts reached it, (F,).
+) -> tuple[Floats, Floats, NDArray[np.intp]]:
+    """Return each fit's lowest minimum (F, P), its S, and how many starts reached it, (F,).
 
     `base` (P,) holds what is not `free` (F, P). Of `base` and SAMPLE Sobol points a start within
     the bounds each fit starts from its best `starts`; after EARLY steps the worse half is left.
@@ -153,11 +130,11 @@ def search(
         best = np.argsort(sums, axis=1, kind="stable")[:, :keep]
         chosen = np.take_along_axis(points, best[..., None], axis=1).reshape(-1, P)
         owner = np.repeat(np.arange(F), keep)
-        found = minimise(residuals, chosen, free[owner], lower, upper, owner, steps)
-        sums, points = found.sums.reshape(F, -1), found.points.reshape(F, -1, P)
-    rows = np.arange(F) * keep + sums.argmin(axis=1)
-    reached = (sums <= sums.min(axis=1, keepdims=True) * (1 + 1e-6) + 1e-18).sum(axis=1)
-    return Minima(found.points[rows], found.sums[rows], found.settled[rows]), reached
+        ends, heights = minimise(residuals, chosen, free[owner], lower, upper, owner, steps)
+        points, sums = ends.reshape(F, -1, P), heights.reshape(F, -1)
+    lowest = sums.min(axis=1)
+    reached = (sums <= lowest[:, None] * (1 + 1e-6) + 1e-18).sum(axis=1)
+    return points[np.arange(F), sums.argmin(axis=1)], lowest, reached
 
 
 def rise(level: float, together: int, *, sums: Floats, freedom: int, noise: float | None) -> Floats:
@@ -172,42 +149,28 @@ def rise(level: float, together: int, *, sums: Floats, freedom: int, noise: floa
     return np.asarray(sums / freedom * together * f.ppf(level, together, freedom))
 
 
-@dataclass(frozen=True)
-class Ends:
-    """Ends of profile intervals, lower and upper: `at` (B, P, 2); `open` where a bound came first.
-
-    NaN for parameters that are not free. `sums` is the lowest S met on the way, (B,).
-    """
-
-    at: Floats
-    open: Flags
-    sums: Floats
-
-
 def profile_ends(
     residuals: Residuals,
-    best: Minima,
-    free: Flags,
+    best: Floats,
+    sums: Floats,
     lower: Floats,
     upper: Floats,
     height: Floats,
-) -> Ends:
+) -> tuple[Floats, Flags]:
     """Return where S, minimised over all other parameters, has risen by `height` (B,).
 
-    By a bracketed secant on sqrt(S - S_min), which is all but linear in the parameter.
+    From minima `best` (B, P) with S `sums`; ends (B, P, 2), lower and upper, and where a bound came
+    first. By a bracketed secant on sqrt(S - S_min), which is all but linear in the parameter.
     """
-    B, P = best.points.shape
+    B, P = best.shape
     owner = np.arange(B)
-    J = jacobian(
-        residuals, best.points, residuals(best.points, owner), free,
-        _inwards(best.points, lower, upper), owner,
-    )  # fmt: skip
+    values, free = residuals(best, owner), np.ones((B, P), dtype=bool)
+    J = jacobian(residuals, best, values, free, lower, upper, owner)
     covariance = np.linalg.pinv(np.einsum("bmp,bmq->bpq", J, J), rcond=1e-14, hermitian=True)
-    fit, j = (np.repeat(index, 2) for index in np.nonzero(free))
-    side = np.tile([-1.0, 1.0], len(fit) // 2)
-    each = np.arange(len(fit))
+    fit, j, which = (index.ravel() for index in np.indices((B, P, 2)))
+    side = 2.0 * which - 1
     wall = np.where(side < 0, lower[j], upper[j])
-    centre, target = best.points[fit, j], np.sqrt(height[fit])
+    centre, target = best[fit, j], np.sqrt(height[fit])
     deviation = np.sqrt(np.maximum(covariance[fit, j, j], 1e-30))
     direction = covariance[fit, :, j] / deviation[:, None] ** 2
     # How far from the centre; at a distance of zero sqrt(S - S_min) is zero too.
@@ -215,17 +178,14 @@ def profile_ends(
     near, near_u = np.zeros(len(fit)), np.zeros(len(fit))
     far, far_u = np.full(len(fit), np.inf), np.full(len(fit), np.inf)
     distance = np.minimum(deviation * target, reach)
-    points = best.points[fit] + direction * (side * distance)[:, None]
-    lowest, shut = best.sums.copy(), reach <= 0
+    points = best[fit] + direction * (side * distance)[:, None]
+    shut = reach <= 0
     left = np.flatnonzero(~shut)
     for _ in range(25):
         points[left, j[left]] = (centre + side * distance)[left]
-        others = free[fit[left]]
-        others[np.arange(len(left)), j[left]] = False
-        found = minimise(residuals, points[left], others, lower, upper, fit[left])
-        points[left] = found.points
-        np.minimum.at(lowest, fit[left], found.sums)
-        u = np.sqrt(np.maximum(found.sums - best.sums[fit[left]], 0))
+        others = np.arange(P) != j[left, None]
+        points[left], S = minimise(residuals, points[left], others, lower, upper, fit[left])
+        u = np.sqrt(np.maximum(S - sums[fit[left]], 0))
         short = u < target[left]
         near[left] = np.where(short, distance[left], near[left])
         near_u[left] = np.where(short, u, near_u[left])
@@ -237,43 +197,27 @@ def profile_ends(
         if not left.size:
             break
         distance[left] = _next(near, near_u, far, far_u, target, reach)[left]
-    at, opened = np.full((B, P, 2), np.nan), np.zeros((B, P, 2), dtype=bool)
-    which = each % 2
-    at[fit, j, which] = centre + side * distance
-    opened[fit, j, which] = shut
-    return Ends(at, opened, lowest)
-
-
-@dataclass(frozen=True)
-class Profiles:
-    """S minimised over all other parameters: `at` (P, points) of each, `sums` (P, points)."""
-
-    at: Floats
-    sums: Floats
+    return (centre + side * distance).reshape(B, P, 2), shut.reshape(B, P, 2)
 
 
 def profiles(
     residuals: Residuals, best: Floats, lower: Floats, upper: Floats, span: Floats, points: int
-) -> Profiles:
-    """Return the profile of every parameter over `span` (P, 2), from the minimum `best` (P,).
+) -> tuple[Floats, Floats]:
+    """Return `points` over `span` (P, 2) of each parameter, and S minimised over all others there.
 
-    Each goes outwards from `best` on both sides, from one minimum to the next.
+    Shape (P, points) each. Both sides go outwards from the minimum `best` (P,), step by step.
     """
     P, half = len(best), points // 2
-    at = np.empty((P, 2, half + 1))
-    at[:, 0] = np.linspace(best, span[:, 0], half + 1, axis=1)
-    at[:, 1] = np.linspace(best, span[:, 1], half + 1, axis=1)
+    at = np.linspace(np.stack([best, best], axis=1), span, half + 1, axis=2)
     sums = np.empty_like(at)
     j = np.repeat(np.arange(P), 2)
-    others = np.ones((2 * P, P), dtype=bool)
-    others[np.arange(2 * P), j] = False
     moving, owner = np.tile(best, (2 * P, 1)), np.zeros(2 * P, dtype=np.intp)
     for k in range(half + 1):
         moving[np.arange(2 * P), j] = at[:, :, k].ravel()
-        found = minimise(residuals, moving, others, lower, upper, owner)
-        moving, sums[:, :, k] = found.points, found.sums.reshape(P, 2)
+        moving, S = minimise(residuals, moving, np.arange(P) != j[:, None], lower, upper, owner)
+        sums[:, :, k] = S.reshape(P, 2)
     joined = [np.concatenate([x[:, 0, :0:-1], x[:, 1]], axis=1) for x in (at, sums)]
-    return Profiles(*joined)
+    return joined[0], joined[1]
 
 
 def _next(
@@ -285,8 +229,3 @@ def _next(
         inside = near + share * (far - near)
         beyond = near * np.clip(1.05 * target / near_u, 1.2, 4.0)
     return np.where(np.isfinite(far), inside, np.minimum(beyond, reach))
-
-
-def _inwards(points: Floats, lower: Floats, upper: Floats) -> Floats:
-    size = STEP * (upper - lower)
-    return np.where(points + size > upper, -size, size)

@@ -1,44 +1,37 @@
 """What `identify` takes beside the standard arguments."""
 
 import math
+from collections.abc import Callable
 
 from analytic import InputError
 from harness.request import Option
 
-MOST_STARTS, MOST_FREE, MOST_SEED = 256, 5, 2**31
 
-
-def _one_of(name: str, *known: str) -> Option:
-    """Return an option with one of some words; its help is added by `_with`."""
-
+def _one_of(name: str, *known: str) -> Callable[[str], str]:
     def parse(text: str) -> str:
         if text not in known:
             raise InputError(name, text, f"one of {', '.join(known)}")
         return text
 
-    return Option(name, "|".join(known), "", None, parse)
+    return parse
 
 
-def _with(option: Option, text: str, default: str | None = None) -> Option:
-    return Option(option.name, option.metavar, text, default, option.parse)
-
-
-def _whole(name: str, least: int, most: int) -> Option:
+def _whole(name: str, least: int, most: int) -> Callable[[str], int]:
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdecimal() and least <= int(text[:12]) <= most):
             raise InputError(name, text, f"a whole number from {least} to {most}")
         return int(text)
 
-    return Option(name, "N", "", None, parse)
+    return parse
 
 
-def _names(name: str) -> Option:
+def _names(name: str) -> Callable[[str], tuple[str, ...]]:
     def parse(text: str) -> tuple[str, ...]:
         from harness.text import split
 
         return tuple(split(name, text))
 
-    return Option(name, "P,P", "", None, parse)
+    return parse
 
 
 def _noise(text: str) -> float:
@@ -52,15 +45,15 @@ def _bounds(text: str) -> dict[str, tuple[float, float]]:
     found = {}
     for one in text.split(",") if text else ():
         name, _, span = one.strip().partition("=")
-        low, _, high = span.partition("..")
-        pair = _float(low), _float(high)
-        if not pair[0] < pair[1] or not (name.endswith("_deg") or pair[0] > 0):
+        low, high = (_float(end) for end in span.partition("..")[::2])
+        if not low < high or not (name.endswith("_deg") or low > 0):
             raise InputError("bounds", one, "NAME=LOW..HIGH, LOW below HIGH, lengths above 0")
-        found[name] = pair
+        found[name] = low, high
     return found
 
 
 def _float(text: str) -> float:
+    """Return a finite number, or NaN, which every comparison refuses."""
     try:
         value = float(text)
     except ValueError:
@@ -68,22 +61,24 @@ def _float(text: str) -> float:
     return value if math.isfinite(value) else math.nan
 
 
+FITTED = "z_mm,base_radius_mm,platform_thickness_mm,tilt_deg"
 OPTIONS = (
     Option("table", "FILE", "CSV file with columns case, f1, f2, ... [Hz], cases being those of "
            "--case-file or built in; default the paper's Table I.", "published", str),
     Option("method", "ROW", "Its row; of Table I Theoretical (default) or FEA.", None, str),
-    _with(_names("parameters"), "Fitted together, with intervals; of one case alone as "
-          "case2.z_mm. Default z_mm,base_radius_mm,platform_thickness_mm,tilt_deg.",
-          "z_mm,base_radius_mm,platform_thickness_mm,tilt_deg"),
-    _with(_names("candidates"), "Readings are chosen from these; default eight for Table I, else "
-          "--parameters."),
-    _with(_whole("free", 0, MOST_FREE), "Most free parameters a reading; default 3.", "3"),
+    Option("parameters", "P,P", "Fitted together, with intervals; of one case alone as "
+           f"case2.z_mm. Default {FITTED}.", FITTED, _names("parameters")),
+    Option("candidates", "P,P", "Readings are chosen from these; default eight for Table I, else "
+           "--parameters.", None, _names("candidates")),
+    Option("free", "N", "Most free parameters a reading; default 3.", "3", _whole("free", 0, 5)),
     Option("bounds", "P=LOW..HIGH,...", "As in z_mm=400..700.", "", _bounds),
-    _with(_one_of("inertia", "disc", "printed"), "disc (default), or printed, Eq. 8.", "disc"),
-    _with(_one_of("frames", "stated", "mirrored", "both"), "stated, mirrored (limbs lean to the "
-          "wrong side, a slip) or both; default both for Table I, else stated."),
-    _with(_whole("starts", 1, MOST_STARTS), "Starts of each search; default 16.", "16"),
+    Option("inertia", "disc|printed", "disc (default), or printed, Eq. 8.", "disc",
+           _one_of("inertia", "disc", "printed")),
+    Option("frames", "stated|mirrored|both", "stated, mirrored (limbs lean to the wrong side, a "
+           "slip) or both; default both for Table I, else stated.", None,
+           _one_of("frames", "stated", "mirrored", "both")),
+    Option("starts", "N", "Starts of each search; default 16.", "16", _whole("starts", 1, 256)),
     Option("noise", "PERCENT", "Relative standard deviation of a value; default the residuals' "
            "own, or rounding.", None, _noise),
-    _with(_whole("seed", 0, MOST_SEED), "Of the search's points; default 0.", "0"),
+    Option("seed", "N", "Of the search's points; default 0.", "0", _whole("seed", 0, 2**31)),
 )  # fmt: skip

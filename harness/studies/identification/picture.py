@@ -7,38 +7,40 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from harness.figures import COLOURS, MARKERS
-from harness.studies.identification.estimate import Fitted
-from harness.studies.identification.result import model_label
+from harness.studies.identification.estimate import Fit
+from harness.studies.identification.fit import profiles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+POINTS = 25
+"""Points of a profile."""
 
-def profile_figure(results: Sequence[Fitted]) -> Figure:
+
+def profile_figure(fits: Sequence[Fit]) -> Figure:
     """Return the profiles of every parameter, and below them what the fits leave."""
-    names = results[0].problem.names
-    table = results[0].problem.table
-    columns = max(len(names), len(table.cases))
+    names, table = fits[0].problem.names, fits[0].problem.table
+    cases = len(table.cases)
+    columns = max(len(names), cases)
     figure = Figure(figsize=(3.1 * columns, 6.2), layout="constrained")
-    grid = figure.add_gridspec(2, columns * len(table.cases))
-    width = columns * len(table.cases) // len(names)
-    for k, name in enumerate(names):
-        axes = figure.add_subplot(grid[0, k * width : (k + 1) * width])
-        for result, colour in zip(results, COLOURS, strict=False):
-            _draw_profile(axes, result, k, colour)
+    grid = figure.add_gridspec(2, columns * cases)
+    width = columns * cases // len(names)
+    above = [figure.add_subplot(grid[0, k * width : (k + 1) * width]) for k in range(len(names))]
+    for one, colour in zip(fits, COLOURS, strict=False):
+        _draw_profiles(above, one, colour)
+    for axes, name in zip(above, names, strict=True):
         axes.set_xlabel(name.replace("_", " "), fontsize=9)
         axes.grid(alpha=0.25)
         axes.tick_params(labelsize=8)
         axes.set_ylim(0, None)
-        if k == 0:
-            axes.set_ylabel("rise of S over noise$^2$")
+    above[0].set_ylabel("rise of S over noise$^2$")
+    modes = np.arange(1, table.frequencies.shape[1] + 1)
     for c, case in enumerate(table.cases):
         axes = figure.add_subplot(grid[1, c * columns : (c + 1) * columns])
-        for k, result in enumerate(results):
-            modes = np.arange(1, result.error.shape[1] + 1)
+        for k, one in enumerate(fits):
             axes.plot(
-                modes + 0.12 * (k - 0.5), 100 * result.error[c], ls="none", marker=MARKERS[k],
-                color=COLOURS[k], label=model_label(result.problem),
+                modes + 0.12 * (k - 0.5), 100 * one.error[c], ls="none", marker=MARKERS[k],
+                color=COLOURS[k], label=one.problem.label,
             )  # fmt: skip
         axes.axhline(0, color="0.4", lw=0.8)
         axes.set_title(case.name, fontsize=10)
@@ -53,15 +55,18 @@ def profile_figure(results: Sequence[Fitted]) -> Figure:
     return figure
 
 
-def _draw_profile(axes: "Axes", result: Fitted, k: int, colour: str) -> None:
-    problem, fits = result.problem, result.fits
-    x = np.zeros((result.profiles.at.shape[1], len(problem.names)))
-    x[:, k] = result.profiles.at[k]
-    height = (result.profiles.sums[k] - fits.minima.sums[0]) / fits.noise[0] ** 2
-    axes.plot(problem.from_x(x)[:, k], height, color=colour, lw=1.4, label=model_label(problem))
-    axes.plot(fits.values[0, k], 0, "o", color=colour, ms=4, clip_on=False)
-    for ends, style in ((fits.alone, ":"), (fits.together, "--")):
-        for value, opened in zip(ends[0, k], fits.open[0, k], strict=True):
-            if not opened:
-                axes.axvline(value, color=colour, ls=style, lw=0.8)
-    axes.axvline(problem.from_x(problem.start)[k], color="0.5", lw=0.8)
+def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str) -> None:
+    problem, (low, high) = one.problem, one.problem.limits
+    best, ends = one.x[0, :, None], problem.to_x(one.together[0].T).T
+    span = np.clip(best + 1.3 * (ends - best), low[:, None], high[:, None])
+    residuals = problem.residuals(problem.table.logarithms[None])
+    at, sums = profiles(residuals, one.x[0], low, high, span, POINTS)
+    height = (sums - one.sums[0]) / one.noise[0] ** 2
+    for k, (axes, values) in enumerate(zip(above, problem.from_x(at.T).T, strict=True)):
+        axes.plot(values, height[k], color=colour, lw=1.4)
+        axes.plot(one.values[0, k], 0, "o", color=colour, ms=4, clip_on=False)
+        for interval, style in ((one.alone, ":"), (one.together, "--")):
+            for value, opened in zip(interval[0, k], one.open[0, k], strict=True):
+                if not opened:
+                    axes.axvline(value, color=colour, ls=style, lw=0.8)
+        axes.axvline(problem.given[k], color="0.5", lw=0.8)

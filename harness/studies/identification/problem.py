@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,20 +10,21 @@ from numpy.typing import NDArray
 
 from analytic import InputError
 from analytic.designs import design_frequencies
+from harness.bench import label
 from harness.studies.identification.fit import Residuals
 from harness.studies.identification.parameters import (
+    INERTIAS,
     PARAMETERS,
     POSE,
+    Parameter,
     designs,
     heading,
-    pose_values,
     starting_values,
 )
 from harness.studies.identification.table import FrequencyTable
 from reference_models import Named
 
 Floats = NDArray[np.float64]
-Bounds = Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,7 @@ class Problem:
     names: tuple[str, ...]
     inertia: str = "disc"
     mirrored: bool = False
-    bounds: Bounds = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     argument: str = "parameters"
 
     def __post_init__(self) -> None:
@@ -49,110 +51,114 @@ class Problem:
         if self.model.info().limit != self.model.name:
             expected = "a beam theory, whose rods can be those of any mechanism"
             raise InputError("model", self.model.label, expected)
-        for name in self.names:
-            self._reaches(name)
         if any(case.mechanism != cases[0].mechanism for case in cases):
             raise InputError("table", [c.name for c in cases], "cases of one mechanism")
-        for name in self.bounds:
-            if name not in self.names:
-                raise InputError("bounds", name, f"one of the parameters {', '.join(self.names)}")
-        low, high = self.limits
-        for name, a, b, x in zip(self.names, low, high, self.start, strict=True):
-            if not a < b:
-                raise InputError("bounds", name, "a lower bound below the upper one")
-            if not a - 1e-12 <= x <= b + 1e-12 and name not in self.bounds:
+        for name, low, high, x in zip(self.names, *self.limits, self.start, strict=True):
+            if not low - 1e-12 <= x <= high + 1e-12 and name not in self.bounds:
                 raise InputError(self.argument, name, "a starting value within default bounds")
 
-    def _reaches(self, name: str) -> list[int]:
-        """Return which cases `name` belongs to."""
-        case, dot, own = name.rpartition(".")
-        cases = self.table.cases
-        known = [c.name for c in cases]
-        if own not in PARAMETERS or (dot and (own not in POSE or case not in known)):
-            poses = ", ".join(f"{known[-1]}.{p}" for p in POSE)
-            expected = f"one of {', '.join(PARAMETERS)}, or of one case as {poses}"
-            raise InputError(self.argument, name, expected)
-        if dot:
-            return [known.index(case)]
-        special = {known.index(n.rpartition(".")[0]) for n in self.names if n.endswith(f".{own}")}
-        shared = [k for k in range(len(cases)) if k not in special]
-        if PARAMETERS[own].angle:
-            shared = [k for k in shared if cases[k].pose.tilt != 0]
-        if not shared:
-            raise InputError(self.argument, name, "a case that this parameter is left for")
-        return shared
+    @property
+    def theory(self) -> str:
+        """Theory, elements and inertia of the model."""
+        printed = "" if self.inertia == "disc" else f", {INERTIAS[self.inertia]}"
+        return f"{label(self.model)}{printed}"
 
     @property
+    def label(self) -> str:
+        """Theory, elements, inertia and frames of the model."""
+        return self.theory + (", mirrored frames" if self.mirrored else "")
+
+    @property
+    def whole(self) -> bool:
+        """Whether no parameter belongs to one case alone."""
+        return not any("." in name for name in self.names)
+
+    @cached_property
     def base(self) -> list[dict[str, float]]:
         """What each case starts from, in the units of the names."""
-        own = starting_values(self.table.cases[0])
-        return [own | pose_values(case) for case in self.table.cases]
+        return [starting_values(case) for case in self.table.cases]
 
-    def kind(self, name: str) -> str:
-        """Return the parameter that `name` is, without its case."""
-        return name.rpartition(".")[2]
+    @cached_property
+    def kinds(self) -> list[Parameter]:
+        """What each of the names is."""
+        return [PARAMETERS[name.rpartition(".")[2]] for name in self.names]
 
-    def to_x(self, name: str, value: float) -> float:
-        """Return the x of a value."""
-        return value if PARAMETERS[self.kind(name)].angle else float(np.log(value))
+    @cached_property
+    def owners(self) -> list[dict[str, str]]:
+        """By which of the names each case knows the parameters that are fitted."""
+        cases = self.table.cases
+        known = [case.name for case in cases]
+        found: list[dict[str, str]] = [{} for _ in cases]
+        for name in sorted(self.names, key=lambda name: "." not in name):  # own ones first
+            case, dot, own = name.rpartition(".")
+            if own not in PARAMETERS or (dot and (own not in POSE or case not in known)):
+                poses = ", ".join(f"{known[-1]}.{p}" for p in POSE)
+                expected = f"one of {', '.join(PARAMETERS)}, or of one case as {poses}"
+                raise InputError(self.argument, name, expected)
+            for one, names in zip(cases, found, strict=True):
+                level = PARAMETERS[own].angle and one.pose.tilt == 0
+                if one.name == case or not (dot or level):
+                    names.setdefault(own, name)
+            if not any(name in names.values() for names in found):
+                raise InputError(self.argument, name, "a case that this parameter is left for")
+        return found
+
+    def to_x(self, values: Floats) -> Floats:
+        """Return x of values (..., P) in the units of the names."""
+        angles = np.array([kind.angle for kind in self.kinds], dtype=bool)
+        return np.where(angles, values, np.log(np.where(angles, 1.0, values)))
 
     def from_x(self, x: Floats) -> Floats:
-        """Return values, in the units of the names, of x (..., P)."""
-        angles = np.array([PARAMETERS[self.kind(name)].angle for name in self.names], dtype=bool)
+        """Return values (..., P), in the units of the names, of x."""
+        angles = np.array([kind.angle for kind in self.kinds], dtype=bool)
         return np.where(angles, x, np.exp(np.where(angles, 0.0, x)))
+
+    @cached_property
+    def given(self) -> Floats:
+        """The values of the cases as they are, (P,)."""
+        at = {
+            name: base[own]
+            for names, base in zip(self.owners[::-1], self.base[::-1], strict=True)
+            for own, name in names.items()
+        }
+        return np.array([at[name] for name in self.names])
 
     @property
     def start(self) -> Floats:
         """The x of the cases as they are, (P,)."""
-        base = self.base
-        return np.array([self.to_x(n, base[self._reaches(n)[0]][self.kind(n)]) for n in self.names])
+        return self.to_x(self.given)
 
-    @property
+    @cached_property
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper bounds of x, (P,) each."""
-        pairs = []
-        for name, x in zip(self.names, self.start, strict=True):
-            parameter = PARAMETERS[self.kind(name)]
-            if name in self.bounds:
-                pair = [self.to_x(name, value) for value in self.bounds[name]]
-            elif parameter.angle:
-                pair = [parameter.low, parameter.high]
-            else:
-                pair = [x + np.log(parameter.low), x + np.log(parameter.high)]
-            pairs.append(pair)
-        low, high = np.reshape(pairs, (-1, 2)).T
+        pairs = np.array([(kind.low, kind.high) for kind in self.kinds]).reshape(-1, 2)
+        for pair, name, kind, value in zip(pairs, self.names, self.kinds, self.given, strict=True):
+            pair[:] = self.bounds.get(name, pair if kind.angle else pair * value)
+        low, high = self.to_x(pairs.T)
         return low, high
 
     def at(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
         """Return all parameters of each case, those that are fitted being `values` by name."""
         found = []
-        for k, base in enumerate(self.base):
-            given = {self.kind(n): values[n] for n in self.names if k in self._reaches(n)}
+        for base, names in zip(self.base, self.owners, strict=True):
+            given = {own: values[name] for own, name in names.items()}
             own = {**base, **given}
             # The disc ends where the joints are and is made of what the rods are made of.
-            if "disc_radius_mm" not in given:
-                own["disc_radius_mm"] = own["platform_radius_mm"]
-            if "platform_density_kg_m3" not in given:
-                own["platform_density_kg_m3"] = own["density_kg_m3"]
+            own["disc_radius_mm"] = given.get("disc_radius_mm", own["platform_radius_mm"])
+            own["platform_density_kg_m3"] = given.get(
+                "platform_density_kg_m3", own["density_kg_m3"]
+            )
             found.append(own)
         return found
 
     def frequencies(self, x: Floats) -> Floats:
         """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes)."""
-        rows = len(x)
-        columns: dict[str, Floats] = {}
-        for k, own in enumerate(self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))):
-            for name, value in own.items():
-                column = columns.setdefault(name, np.empty((len(self.table.cases), rows)))
-                column[k] = value
+        own = self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))
+        rows, (cases, modes) = len(x), self.table.frequencies.shape
+        columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in own]) for n in PARAMETERS}
         mechanism = self.table.cases[0].mechanism
-        cases, modes = self.table.frequencies.shape
         f = design_frequencies(
-            designs(
-                {name: column.ravel() for name, column in columns.items()},
-                self.inertia,
-                self.mirrored,
-            ),
+            designs(columns, self.inertia, self.mirrored),
             self.model.elements if isinstance(self.model.elements, int) else None,
             beam=self.model.name,
             shear=dict(self.model.settings).get("shear", "cowper"),
@@ -171,6 +177,7 @@ class Problem:
 
         def residuals(x: Floats, owner: NDArray[np.intp]) -> Floats:
             own = observed if len(observed) == 1 else observed[owner]
-            return np.asarray((np.log(self.frequencies(x)).reshape(len(x), -1) - own) * root)
+            logs = np.log(self.frequencies(x)).reshape(len(x), len(root))
+            return np.asarray((logs - own) * root)
 
         return residuals

@@ -1,6 +1,6 @@
 """What an identification says: tables, sentences, and mechanisms for the history."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -11,15 +11,9 @@ from harness.bench import SPARE, Bench, label
 from harness.cases import Case
 from harness.result import Result
 from harness.rows import mode_rows, settings
-from harness.studies.identification.directions import (
-    Direction,
-    Quantity,
-    directions,
-    quantities,
-    sensitivities,
-)
-from harness.studies.identification.estimate import LEVEL, Fitted, Reading
-from harness.studies.identification.parameters import INERTIAS, described
+from harness.studies.identification.directions import directions, quantities, sensitivities
+from harness.studies.identification.estimate import LEVEL, Fit, Reading
+from harness.studies.identification.parameters import described
 from harness.studies.identification.problem import Problem
 from harness.tables import Cell, Number, Table
 from harness.workers import Failure
@@ -52,7 +46,7 @@ class Identification(Result):
     best first; `kept`, rows of the history.
     """
 
-    fits: tuple[Fitted, ...]
+    fits: tuple[Fit, ...]
     readings: tuple[Reading, ...]
     kept: tuple[dict[str, Any], ...]
 
@@ -69,37 +63,27 @@ class Identification(Result):
 
         rows: list[dict[str, Any]] = []
         for one in self.fits:
-            how = _about(one.problem) | {"kind": "fit", "rank": 1, **_errors(one)}
-            for k, name in enumerate(one.problem.names):
-                ends = (*one.fits.alone[0, k], *one.fits.together[0, k])
-                own = {"parameter": name, "value": one.fits.values[0, k]}
-                bound = {"at_bound": bool(one.fits.open[0, k].any())}
-                rows.append(how | own | dict(zip(ENDS, ends, strict=True)) | bound)
+            how = _about(one, "fit", 1)
+            for k, (name, value) in enumerate(one.fitted.items()):
+                ends = zip(ENDS, (*one.alone[0, k], *one.together[0, k]), strict=True)
+                own = {"parameter": name, "value": value, **dict(ends)}
+                rows.append(how | own | {"at_bound": bool(one.open[0, k].any())})
         for _, _, some in _grouped(self.readings):
             for rank, r in enumerate(some[:KEPT], start=1):
-                how = _about(r.problem) | {
-                    "kind": "reading", "rank": rank, "rms_percent": 100 * r.rms,
-                    "worst_percent": 100 * r.worst, "aicc": r.criterion,
-                }  # fmt: skip
-                pairs = zip(r.problem.names, r.values.tolist(), strict=True)
+                how = _about(r, "reading", rank)
                 rows += [
-                    how | {"parameter": n, "value": v, "at_bound": n in r.held} for n, v in pairs
+                    how | {"parameter": name, "value": value, "at_bound": name in r.held}
+                    for name, value in r.fitted.items()
                 ] or [how]
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:
         """Return readings, parameters, what is left, and what the table pins down."""
-        main = self.fits[-1]
         found = {"": readings_table(self.readings)} if self.readings else {}
         found["-parameters"] = parameters_table(self.fits)
         found["-residuals"] = residuals_table(self.fits)
-        if not any("." in name for name in main.problem.names):
-            noise = float(main.fits.noise[0])
-            whole, x, J = sensitivities(main.problem, main.fitted)
-            found["-directions"] = directions_table(
-                directions(whole.names, J, noise), main.problem
-            )  # fmt: skip
-            found["-quantities"] = quantities_table(quantities(whole, x, J, noise), main.problem)
+        if self.fits[-1].problem.whole:
+            found["-directions"], found["-quantities"] = pinned_tables(self.fits[-1])
         return found
 
     def figures(self) -> dict[str, "Figure"]:
@@ -115,41 +99,36 @@ class Identification(Result):
         return sentences(self.fits, self.readings)
 
 
-def _about(problem: Problem) -> dict[str, Any]:
+def _about(one: Fit | Reading, kind: str, rank: int) -> dict[str, Any]:
+    problem = one.problem
     return {
         "table": problem.table.source,
         "model": label(problem.model),
         "inertia": problem.inertia,
         "frames": "mirrored" if problem.mirrored else "stated",
         "free": len(problem.names),
+        "kind": kind,
+        "rank": rank,
+        "rms_percent": 100 * one.rms,
+        "worst_percent": worst(one),
+        "aicc": one.criterion if isinstance(one, Reading) else np.nan,
     }
 
 
-def _errors(one: Fitted) -> dict[str, float]:
-    worst = 100 * float(np.abs(one.error).max())
-    return {"rms_percent": 100 * one.rms, "worst_percent": worst, "aicc": np.nan}
-
-
-def model_label(problem: Problem) -> str:
-    """Return theory, elements, inertia and frames of a model."""
-    return _theory(problem) + (", mirrored frames" if problem.mirrored else "")
-
-
-def _theory(problem: Problem) -> str:
-    printed = f", {INERTIAS[problem.inertia]}" if problem.inertia != "disc" else ""
-    return f"{label(problem.model)}{printed}"
+def worst(one: Fit | Reading) -> float:
+    """Return the largest error without its sign [%]."""
+    return 100 * float(np.abs(one.error).max())
 
 
 def readings_table(ranked: Sequence[Reading]) -> Table:
     """Return the best readings of every number of free parameters, and what they miss [%]."""
-    rows: list[tuple[Cell, ...]] = []
-    for count, frames, some in _grouped(ranked):
-        rows += [
-            (count, frames, rank, _theory(r.problem), values_text(r),
-             Number(100 * r.rms, 2), Number(100 * r.worst, 2),
-             Number(r.criterion, 1) if np.isfinite(r.criterion) else "too few values")
-            for rank, r in enumerate(some[:SHOWN], start=1)
-        ]  # fmt: skip
+    rows: list[tuple[Cell, ...]] = [
+        (count, frames, rank, r.problem.theory, values_text(r), Number(100 * r.rms, 2),
+         Number(worst(r), 2),
+         Number(r.criterion, 1) if np.isfinite(r.criterion) else "too few values")
+        for count, frames, some in _grouped(ranked)
+        for rank, r in enumerate(some[:SHOWN], start=1)
+    ]  # fmt: skip
     columns = ("Free", "Frames", "Rank", "Model", "Fitted", "rms [%]", "worst [%]", "AICc")
     table, best = ranked[0].problem.table, simplest(ranked)
     notes = [
@@ -157,7 +136,7 @@ def readings_table(ranked: Sequence[Reading]) -> Table:
         f"{len(ranked)} readings: every choice of so many candidates, under every model; rms over "
         "different values: a repeated mode counts once; *: at a bound",
         f"AICc: Akaike's criterion for few values; differences below {ALIKE} mean nothing. Fewest "
-        f"parameters among the best: {model_label(best.problem)}, {values_text(best)}",
+        f"parameters among the best: {best.problem.label}, {values_text(best)}",
         closest_note(ranked),
     ]
     if any(r.problem.mirrored for r in ranked):
@@ -165,61 +144,63 @@ def readings_table(ranked: Sequence[Reading]) -> Table:
     return Table("Readings ranked by free parameters", columns, tuple(rows), tuple(notes))
 
 
-def _grouped(ranked: Sequence[Reading]) -> list[tuple[int, str, list[Reading]]]:
-    """Return readings by number of free parameters and frames, best first."""
+def _grouped(ranked: Sequence[Reading]) -> Iterator[tuple[int, str, list[Reading]]]:
+    """Yield readings by number of free parameters and frames, best first."""
     order = sorted(ranked, key=lambda r: (len(r.x), r.problem.mirrored, r.rms))
-    return [
-        (count, "mirrored" if mirrored else "stated", list(group))
-        for (count, mirrored), group in groupby(order, key=lambda r: (len(r.x), r.problem.mirrored))
-    ]
+    for (count, slip), group in groupby(order, key=lambda r: (len(r.x), r.problem.mirrored)):
+        yield count, "mirrored" if slip else "stated", list(group)
 
 
 def simplest(ranked: Sequence[Reading]) -> Reading:
     """Return, of all readings as good as the best by AICc, that of the fewest parameters."""
-    known = [r for r in ranked if np.isfinite(r.criterion)]
-    best = min((r.criterion for r in known), default=np.inf)
-    good = [r for r in known if r.criterion <= best + ALIKE] or list(ranked)
+    best = np.nanmin([r.criterion for r in ranked] + [np.inf])
+    good = [r for r in ranked if r.criterion <= best + ALIKE] or ranked
     return min(good, key=lambda r: (len(r.x), r.rms))
 
 
 def closest_note(ranked: Sequence[Reading]) -> str:
     """Return in words how near the closest reading comes to all values."""
-    table, closest = ranked[0].problem.table, min(ranked, key=lambda r: r.worst)
-    rounding = float((table.step / table.frequencies).max()) / 2
-    if closest.worst <= rounding:
+    table, closest = ranked[0].problem.table, min(worst(r) for r in ranked)
+    rounding = 50 * float((table.step / table.frequencies).max())
+    if closest <= rounding:
         return "the closest meets every value to its last digit"
     return (
-        f"none meets all {table.frequencies.size} values: the closest is "
-        f"{100 * closest.worst:.2f} % off somewhere, where rounding explains {100 * rounding:.3f} %"
+        f"none meets all {table.frequencies.size} values: the closest is {closest:.2f} % off "
+        f"somewhere, where rounding explains {rounding:.3f} %"
     )
 
 
 def values_text(reading: Reading) -> str:
     """Return what a reading's parameters are fitted to; *: at a bound."""
-    pairs = zip(reading.problem.names, reading.values, strict=True)
+    pairs = reading.fitted.items()
     text = ", ".join(f"{n} {v:.4g}{'*' if n in reading.held else ''}" for n, v in pairs)
     return text or "nothing"
 
 
-def parameters_table(results: Sequence[Fitted]) -> Table:
+def parameters_table(fits: Sequence[Fit]) -> Table:
     """Return fitted parameters with their intervals, and whether what was given lies inside."""
     rows: list[tuple[Cell, ...]] = []
     notes = []
-    for result in results:
-        problem, fits = result.problem, result.fits
-        name = model_label(problem)
-        given = problem.from_x(problem.start)
-        for k, parameter in enumerate(problem.names):
-            both = [_end(v, o) for v, o in zip(fits.together[0, k], fits.open[0, k], strict=True)]
-            inside = fits.together[0, k, 0] <= given[k] <= fits.together[0, k, 1]
+    for one in fits:
+        name, table = one.problem.label, one.problem.table
+        for k, (parameter, value) in enumerate(one.fitted.items()):
+            given, (low, high) = float(one.problem.given[k]), one.together[0, k]
+            ends = [
+                f"none ({_number(end)})" if opened else _number(end)
+                for end, opened in zip((low, high), one.open[0, k], strict=True)
+            ]
             rows.append(
-                (name, parameter, _number(fits.values[0, k]),
-                 *(_number(v) for v in fits.alone[0, k]), *both,
-                 _number(float(given[k])), "inside" if inside else "outside")
+                (name, parameter, _number(value), *(_number(end) for end in one.alone[0, k]),
+                 *ends, _number(given), "inside" if low <= given <= high else "outside")
             )  # fmt: skip
+        source = "as given"
+        if one.assumed is None:
+            source = f"from the residuals themselves ({one.freedom} to spare)"
+        elif one.assumed == table.rounding:
+            source = "from the rounding of the table"
         notes.append(
-            f"{name}: rms {100 * result.rms:.2f} %, {noise_text(result)}; "
-            f"{fits.reached[0]} starts met at this minimum"
+            f"{name}: rms {100 * one.rms:.2f} %, noise {100 * one.noise[0]:.3g} % a value, "
+            f"{source}; {one.reached[0]} starts met at this minimum"
         )
     level = f"{100 * LEVEL:.0f} %"
     notes += [
@@ -231,56 +212,64 @@ def parameters_table(results: Sequence[Fitted]) -> Table:
         "Model", "Parameter", "Fitted", "alone: from", "to", "together: from", "to", "Given",
         "Given lies",
     )  # fmt: skip
-    title = f"Parameters of {results[0].problem.table.source}"
+    title = f"Parameters of {fits[0].problem.table.source}"
     return Table(title, columns, tuple(rows), tuple(notes))
 
 
-def noise_text(result: Fitted) -> str:
-    """Return in words how large the noise of a value is taken, and from where."""
-    size = f"{100 * result.fits.noise[0]:.3g} % a value"
-    if result.assumed is None:
-        return f"noise {size}, from the residuals themselves ({result.fits.freedom} to spare)"
-    if result.assumed == result.problem.table.rounding:
-        return f"noise {size}, from the rounding of the table"
-    return f"noise {size}, as given"
-
-
 def _number(value: float) -> Number:
+    """Return a number with four digits, but at most four decimals."""
     digits = max(0, 3 - int(np.floor(np.log10(abs(value))))) if value else 3
     return Number(float(value), min(digits, 4))
 
 
-def _end(value: float, opened: bool) -> Cell:
-    return f"none ({_number(value)})" if opened else _number(value)
-
-
-def residuals_table(results: Sequence[Fitted]) -> Table:
+def residuals_table(fits: Sequence[Fit]) -> Table:
     """Return what each fit leaves, by case and mode [%]."""
-    rows: list[tuple[Cell, ...]] = []
-    for result in results:
-        for case, error in zip(result.problem.table.cases, result.error, strict=True):
-            cells = [Number(100 * float(e), 2, signed=True) for e in error]
-            rows.append((model_label(result.problem), case.name, *cells))
-    modes = results[0].error.shape[1]
-    columns = ("Model", "Case", *(f"f{i} [%]" for i in range(1, modes + 1)))
-    return Table("What the fits leave: f over the table's, less 1", columns, tuple(rows))
-
-
-def directions_table(found: Sequence[Direction], problem: Problem) -> Table:
-    """Return the products of powers, from what the table pins down to what it cannot see."""
-    rows: list[tuple[Cell, ...]] = []
-    for d in found:
-        known = np.isfinite(d.deviation)
-        text = Number(100 * d.deviation, 2) if known and d.deviation < 10 else "over 1000"
-        rows.append((str(d), text if known else "infinite", _verdict(d.deviation)))
-    notes = (
-        f"{model_label(problem)}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
-        "left out; theta and phi: tilt and azimuth themselves",
-        "infinite: frequencies do not change at all along these, whatever the table; they tell "
-        "neither scale nor E and rho raised alike",
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (one.problem.label, case.name, *(Number(100 * float(e), 2, signed=True) for e in error))
+        for one in fits
+        for case, error in zip(one.problem.table.cases, one.error, strict=True)
     )
-    columns = ("Product of powers", "1 sigma [%]", "The table")
-    return Table("What the table pins down, and what not", columns, tuple(rows), notes)
+    modes = fits[0].problem.table.frequencies.shape[1]
+    columns = ("Model", "Case", *(f"f{i} [%]" for i in range(1, modes + 1)))
+    return Table("What the fits leave: f over the table's, less 1", columns, rows)
+
+
+def pinned_tables(one: Fit) -> tuple[Table, Table]:
+    """Return the products of powers, and the named combinations, and how well each is known."""
+    whole, x, J = sensitivities(one.problem, one.fitted)
+    noise = float(one.noise[0])
+    products: list[tuple[Cell, ...]] = []
+    for d in directions(whole.names, J, noise):
+        size: Cell = Number(100 * d.deviation, 2) if d.deviation < 10 else "over 1000"
+        known = np.isfinite(d.deviation)
+        products.append((str(d), size if known else "infinite", _verdict(d.deviation)))
+    named = tuple(
+        (q.name, Number(q.value, 4), Number(100 * q.before, 1), Number(100 * q.after, 1),
+         _verdict(q.after))
+        for q in quantities(whole, x, J, noise)
+    )  # fmt: skip
+    return (
+        Table(
+            "What the table pins down, and what not",
+            ("Product of powers", "1 sigma [%]", "The table"),
+            tuple(products),
+            (
+                f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers "
+                "below 0.1 left out; theta and phi: tilt and azimuth themselves",
+                "infinite: frequencies do not change at all along these, whatever the table; they "
+                "tell neither scale nor E and rho raised alike",
+            ),
+        ),
+        Table(
+            "Named combinations",
+            ("Combination", "Value", "by bounds, 1 sigma [%]", "with the table [%]", "The table"),
+            named,
+            (
+                f"{one.problem.label}; E and rho as given, all else free within its bounds",
+                "L: a limb without tilt; m, Jz: the platform's mass and polar moment of inertia",
+            ),
+        ),
+    )
 
 
 def _verdict(deviation: float) -> str:
@@ -291,46 +280,20 @@ def _verdict(deviation: float) -> str:
     return "knows it loosely" if deviation < LOOSE else "leaves it open"
 
 
-def quantities_table(found: Sequence[Quantity], problem: Problem) -> Table:
-    """Return the named combinations: value, and how well known before and after the table."""
-    rows: list[tuple[Cell, ...]] = [
-        (q.name, Number(q.value, 4), Number(100 * q.before, 1), Number(100 * q.after, 1),
-         _verdict(q.after))
-        for q in found
-    ]  # fmt: skip
-    notes = (
-        f"{model_label(problem)}; E and rho as given, all else free within its bounds",
-        "L: a limb without tilt; m, Jz: the platform's mass and polar moment of inertia",
-    )
-    columns = ("Combination", "Value", "by bounds, 1 sigma [%]", "with the table [%]", "The table")
-    return Table("Named combinations", columns, tuple(rows), notes)
-
-
-def solved(fits: Sequence[Fitted], ranked: Sequence[Reading], bench: Bench) -> list[dict[str, Any]]:
+def solved(fits: Sequence[Fit], ranked: Sequence[Reading], bench: Bench) -> list[dict[str, Any]]:
     """Return rows for the history: what the models say of what was fitted.
 
     Of every fit, and of the best reading of each number of free parameters; those with mirrored
     frames left out, for they are no mechanism.
     """
-    found = {_key(one.problem): (one.problem, one.fitted) for one in fits}
-    best: dict[int, Reading] = {}
-    for reading in sorted(ranked, key=lambda reading: reading.rms):
-        if len(reading.x) and not reading.problem.mirrored:
-            best.setdefault(len(reading.x), reading)
-    for count in sorted(best):
-        one = best[count]
-        values = dict(zip(one.problem.names, one.values.tolist(), strict=True))
-        found.setdefault(_key(one.problem), (one.problem, values))
-    return [
-        row
-        for problem, values in found.values()
-        if not problem.mirrored
-        for row in _rows(problem, values, bench)
-    ]
-
-
-def _key(problem: Problem) -> tuple[object, ...]:
-    return problem.model, problem.names, problem.inertia, problem.mirrored
+    best = [some[0] for count, frames, some in _grouped(ranked) if count and frames == "stated"]
+    found: dict[tuple[object, ...], Fit | Reading] = {}
+    everything: list[Fit | Reading] = [*fits, *best]
+    for one in everything:
+        problem = one.problem
+        if not problem.mirrored:
+            found.setdefault((problem.model, problem.names, problem.inertia), one)
+    return [row for one in found.values() for row in _rows(one.problem, one.fitted, bench)]
 
 
 def _rows(problem: Problem, values: Mapping[str, float], bench: Bench) -> list[dict[str, Any]]:

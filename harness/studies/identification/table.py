@@ -3,6 +3,7 @@
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -84,17 +85,19 @@ def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> Frequen
             raise InputError("method", method, f"one of {', '.join(known)} in {path}")
         rows = [row for row in rows if row["method"] == method]
     by_name = PRESETS | {case.name: case for case in cases}
-    for row in rows:
-        if row["case"] not in by_name:
-            raise InputError("table", row["case"], f"one of the cases {', '.join(by_name)}")
     names = [row["case"] for row in rows]
+    for name in names:
+        if name not in by_name:
+            raise InputError("table", name, f"one of the cases {', '.join(by_name)}")
     if len(set(names)) < len(names):
         raise InputError("table", str(path), "one row a case; choose with --method")
     f = np.array([[_frequency(row, mode, path) for mode in modes] for row in rows])
     if (np.diff(f, axis=1) < 0).any():
         raise InputError("table", str(path), "frequencies that ascend from f1")
-    step = np.array([[_last_digit(row[mode]) for mode in modes] for row in rows])
-    source = f"{path}{'' if method is None else f', {method}'}"
+    # One unit of the last digit, by the text: 0.1 of "115.0", 10 of "1.1e2".
+    digits = [[Decimal(row[mode]).as_tuple().exponent for mode in modes] for row in rows]
+    source = str(path) if method is None else f"{path}, {method}"
+    step = 10.0 ** np.array(digits, dtype=float)
     return FrequencyTable(source, tuple(by_name[name] for name in names), f, step)
 
 
@@ -110,11 +113,10 @@ def _read(path: Path) -> tuple[list[str], list[dict[str, str]]]:
     if len(lines) < 2:
         raise InputError("table", str(path), "rows under the columns case, f1, f2, ...")
     columns, *rows = ([cell.strip() for cell in line] for line in lines)
-    twice = [name for name in columns if columns.count(name) > 1]
-    if twice:
-        raise InputError(
-            "table", str(path), f"one column {twice[0]!r}, not {columns.count(twice[0])}"
-        )
+    for name in columns:
+        if columns.count(name) > 1:
+            expected = f"one column {name!r}, not {columns.count(name)}"
+            raise InputError("table", str(path), expected)
     for row in rows:
         if len(row) != len(columns):
             expected = f"{len(columns)} values a row, as many as columns, not {len(row)}"
@@ -131,8 +133,3 @@ def _frequency(row: dict[str, str], mode: str, path: Path) -> float:
         where = f"{mode} of {row['case']} in {path}"
         raise InputError(where, row[mode], "a positive number of hertz")
     return value
-
-
-def _last_digit(text: str) -> float:
-    digits, _, power = text.lower().partition("e")
-    return float(10.0 ** (int(power or 0) - len(digits.partition(".")[2])))
