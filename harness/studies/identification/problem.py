@@ -53,7 +53,7 @@ class Problem:
             raise InputError("model", self.model.label, expected)
         if any(case.mechanism != cases[0].mechanism for case in cases):
             raise InputError("table", [c.name for c in cases], "cases of one mechanism")
-        for name, low, high, x in zip(self.names, *self.limits, self.start, strict=True):
+        for name, x, low, high in zip(self.names, self.start, *self.limits, strict=True):
             if not low - 1e-12 <= x <= high + 1e-12 and name not in self.bounds:
                 raise InputError(self.argument, name, "a starting value within default bounds")
 
