@@ -18,7 +18,7 @@ from harness.studies.claims import (  # noqa: F401  each adds its checks
     check_printed,
     check_workspace,
 )
-from harness.studies.claims.data import CHECKS, KINDS, RULES, Claim, Finding, claims, select
+from harness.studies.claims.data import CHECKS, KINDS, RULES, Claim, Finding, claims, find, select
 from harness.studies.claims.facts import Facts
 from harness.studies.claims.measure import gather
 from harness.tables import Table
@@ -127,12 +127,12 @@ def judge(
     """
     found, unchecked = [], {}
     for claim in chosen:
-        check, groups = CHECKS[claim.check]
+        _, groups = CHECKS[claim.check]
         gaps = [missing[group] for group in groups if group in missing]
         if gaps:
             unchecked[claim.id] = "; ".join(dict.fromkeys(gaps))
         else:
-            found.append(Checked(claim, check(facts, claim.args)))
+            found.append(Checked(claim, find(claim, facts)))
     return found, unchecked
 
 

@@ -5,19 +5,10 @@ a theory slower than all of them hangs on these.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
-from harness.studies.claims.data import (
-    CANNOT,
-    FAILS,
-    ONLY_IF,
-    RULES,
-    Finding,
-    finding,
-    reads,
-)
+from harness.studies.claims.data import RULES, Args, Outcome, outcome, reads
 from harness.studies.claims.facts import PAPER, Facts, Floats
 
 RIVALS = {
@@ -32,38 +23,32 @@ def _quartiles(values: Floats, unit: str) -> tuple[float, str]:
     return middle, f"{low:.4g} to {high:.4g}{unit} (quartiles of {len(values)} rounds)"
 
 
-def _ratios(times: Mapping[str, Floats]) -> dict[str, float]:
-    """Return how many times as long as the theory each kind of finite elements takes."""
+def _ratios(times: Mapping[str, Floats]) -> tuple[dict[str, float], str]:
+    """Return how many times as long as the theory each kind of finite elements takes.
+
+    And which verdict follows: another if the theory saves nothing against any of them.
+    """
     own, *others = ((label, float(np.median(values))) for label, values in times.items())
-    return {label: value / own[1] for label, value in others}
-
-
-def _unless_slower(times: Mapping[str, Floats], verdict: str) -> str:
-    """Return `verdict`, or that the theory saves nothing against any finite elements here."""
-    if max(_ratios(times).values()) > 1:
-        return verdict
-    return f"{FAILS}: no finite elements here take longer than the theory"
+    ratios = {label: value / own[1] for label, value in others}
+    return ratios, "otherwise" if max(ratios.values()) > 1 else "slower"
 
 
 @reads("fea_times")
-def seconds(facts: Facts, args: Mapping[str, Any]) -> Finding:
+def seconds(facts: Facts, args: Args) -> Outcome:
     """Does a pose take the printed time? No agreement of two machines would be more than chance."""
-    quantity = args["quantity"]
-    label = list(facts.fea_times)[["theoretical model", "finite-element model"].index(quantity)]
-    middle, uncertainty = _quartiles(facts.fea_times[label], " s")
-    verdict = (
-        f"{CANNOT}: no machine, program or problem size is printed; here it takes "
-        f"{100 * middle / facts.printed.cost[quantity]:.2g} % of that"
-    )
-    verdict = _unless_slower(facts.fea_times, verdict)
-    return Finding(f"{middle:.4g} s by {label}", uncertainty, verdict)
+    times, quantity = facts.fea_times, args["quantity"]
+    label = list(times)[["theoretical model", "finite-element model"].index(quantity)]
+    middle, quartiles = _quartiles(times[label], " s")
+    share = 100 * middle / facts.printed.cost[quantity]
+    verdict = _ratios(times)[1]
+    return outcome(False, verdict, middle=middle, label=label, quartiles=quartiles, share=share)
 
 
 @reads("fea_times")
-def saved(facts: Facts, args: Mapping[str, Any]) -> Finding:
+def saved(facts: Facts, args: Args) -> Outcome:
     """Against which finite elements is as much saved? The printed ones are not known."""
-    times, ratios = facts.fea_times, _ratios(facts.fea_times)
-    needed = 1 / (1 - facts.printed.cost["cost saved"] / 100)
+    times = facts.fea_times
+    ratios, verdict = _ratios(times)
     words, bounds = [], []
     for label in ratios:
         rounds = min(len(times[PAPER.label]), len(times[label]))
@@ -73,17 +58,16 @@ def saved(facts: Facts, args: Mapping[str, Any]) -> Finding:
         bounds.append(quartiles if rounds > 1 else "timed once")
     # One digit: the next is the machine's.
     rough = ", ".join(f"{k} takes about {float(f'{v:.1g}'):g} times" for k, v in ratios.items())
-    verdict = (
-        f"{ONLY_IF} the finite elements take {needed:.2g} times as long as the theory: {rough}"
+    needed = 1 / (1 - facts.printed.cost["cost saved"] / 100)
+    return outcome(
+        False, verdict, words="; ".join(words), bounds="; ".join(bounds), needed=needed, rough=rough
     )
-    return Finding("; ".join(words), "; ".join(bounds), _unless_slower(times, verdict))
 
 
 @reads("times")
-def faster(facts: Facts, args: Mapping[str, Any]) -> Finding:
+def faster(facts: Facts, args: Args) -> Outcome:
     """Does the model take clearly fewer operations than both ways with multipliers?"""
-    own = facts.times["paper"]
-    words, bounds, other = [], [], []
+    own, words, bounds, other = facts.times["paper"], [], [], []
     for name, what in RIVALS.items():
         rival = facts.times[name]
         fewer = own.flops / rival.flops
@@ -96,10 +80,11 @@ def faster(facts: Facts, args: Mapping[str, Any]) -> Finding:
         if fewer > RULES.clearly_fewer:
             other.append(what)
     slow = [what for what in RIVALS.values() if what not in other]
-    otherwise = f"{FAILS}: it does not take clearly fewer than either way with multipliers"
-    if slow:
-        otherwise = (
-            f"{ONLY_IF} the rival {' or '.join(slow)}: against one that {' or '.join(other)} it "
-            f"does not take clearly fewer operations ({RULES.clearly_fewer:g} times or less)"
-        )
-    return finding(not other, "; ".join(words), "; ".join(bounds), otherwise)
+    return outcome(
+        not other,
+        "otherwise" if slow else "neither",
+        words="; ".join(words),
+        bounds="; ".join(bounds),
+        slow=" or ".join(slow),
+        other=" or ".join(other),
+    )

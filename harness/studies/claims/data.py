@@ -10,7 +10,7 @@ from typing import Any
 
 from analytic import InputError
 from harness import published
-from harness.studies.claims.facts import Facts
+from harness.studies.claims.facts import PAPER, Facts
 
 HOLDS = "holds"
 FAILS = "fails"
@@ -59,10 +59,16 @@ class Finding:
         return next(k for k in (ONLY_IF, HOLDS, CANNOT, FAILS) if self.verdict.startswith(k))
 
 
-Check = Callable[[Facts, Mapping[str, Any]], Finding]
+Args = Mapping[str, Any]
+Outcome = tuple[str, dict[str, Any]]
+"""Which verdict of findings.toml is true, and what its words are filled in with."""
+Check = Callable[[Facts, Args], Outcome]
 CHECKS: dict[str, tuple[Check, tuple[str, ...]]] = {}
 """By a check's name: the function, and the groups of `Facts` that it reads besides what is printed.
 """
+_FILE = tomllib.loads(published.text("claims.toml"))
+RULES = Rules(**_FILE["rules"])
+_WORDS = tomllib.loads(published.text("findings.toml"))
 
 
 def reads(*groups: str, name: str = "") -> Callable[[Check], Check]:
@@ -75,14 +81,17 @@ def reads(*groups: str, name: str = "") -> Callable[[Check], Check]:
     return add
 
 
-def finding(holds: bool, measured: str, uncertainty: str, otherwise: str) -> Finding:
-    """Return that a statement holds, or what is true `otherwise`."""
-    return Finding(measured, uncertainty, HOLDS if holds else otherwise)
+def outcome(holds: Any, otherwise: str = "otherwise", **values: Any) -> Outcome:
+    """Return that a statement holds, or which of its verdicts is true `otherwise`."""
+    return HOLDS if holds else otherwise, values
 
 
-_FILE = tomllib.loads(published.text("claims.toml"))
-RULES = Rules(**_FILE["rules"])
-ROUNDED = f"{RULES.exact:.0e} (rounding)"
+def find(claim: Claim, facts: Facts) -> Finding:
+    """Return what a claim's check finds, in the words of findings.toml."""
+    verdict, values = CHECKS[claim.check][0](facts, claim.args)
+    known = {**vars(facts), **vars(RULES), "paper": PAPER.label, **claim.args, **values}
+    words = {HOLDS: HOLDS} | _WORDS[claim.check]
+    return Finding(*(words[key].format(**known) for key in ("measured", "uncertainty", verdict)))
 
 
 @cache

@@ -1,5 +1,6 @@
 """Every claim's verdict turns when a model, or what is printed, is another."""
 
+import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -9,6 +10,7 @@ import pytest
 
 from analytic import Mechanism, Platform
 from analytic.substructure import rigid_arm
+from harness import published
 from harness.cases import PRESETS
 from harness.studies.claims import equations as claims_equations
 from harness.studies.claims import judge
@@ -294,3 +296,12 @@ def test_no_claim_is_left_without_its_flip(expected: dict[str, str]) -> None:
     assert len(ids) == len(set(ids))
     assert set(expected) == set(ids)
     assert set(FLIPS) == set(CHECKS) == {claim.check for claim in claims()}
+
+
+def test_every_check_has_its_words() -> None:
+    words = tomllib.loads(published.text("findings.toml"))
+    assert set(words) == set(CHECKS)
+    for own in words.values():
+        verdicts = own.keys() - {"measured", "uncertainty"}
+        assert "otherwise" in verdicts
+        assert all(own[name].startswith(KINDS[1:]) for name in verdicts)
