@@ -65,7 +65,7 @@ def sensitivities(problem: Problem, values: Mapping[str, float]) -> tuple[Proble
     both = np.concatenate([x + np.diag(steps), x - np.diag(steps)])
     residuals = whole.residuals(problem.table.logarithms[None])
     up, down = np.split(residuals(both, np.zeros(len(both), dtype=np.intp)), 2)
-    scale = np.where([kind.angle for kind in whole.kinds], own, 1.0)
+    scale = np.where(whole.angles, own, 1.0)
     return whole, x, ((up - down) / (2 * steps[:, None])).T * scale
 
 
@@ -90,7 +90,7 @@ def quantities(whole: Problem, x: Floats, J: Floats, noise: float) -> list[Quant
     """Return the named combinations, with young and density known and all else within bounds."""
     low, high = whole.limits
     own = whole.from_x(x)
-    scale = np.where([kind.angle for kind in whole.kinds], np.abs(own), 1.0)
+    scale = np.where(whole.angles, np.abs(own), 1.0)
     prior = ((high - low) / np.sqrt(12) / scale) ** 2
     keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
     information = J[:, keep].T @ J[:, keep] / noise**2 + np.diag(1 / prior[keep])

@@ -64,11 +64,7 @@ class Fit:
 
 
 def fit(
-    problem: Problem,
-    observed: Floats,
-    noise: float | None = None,
-    starts: int = 16,
-    seed: int = 0,
+    problem: Problem, observed: Floats, noise: float | None = None, starts: int = 16, seed: int = 0
 ) -> Fit:
     """Fit all parameters of `problem` to the logarithms `observed` (T, cases * modes)."""
     T, P = len(observed), len(problem.names)

@@ -150,12 +150,7 @@ def rise(level: float, together: int, *, sums: Floats, freedom: int, noise: floa
 
 
 def profile_ends(
-    residuals: Residuals,
-    best: Floats,
-    sums: Floats,
-    lower: Floats,
-    upper: Floats,
-    height: Floats,
+    residuals: Residuals, best: Floats, sums: Floats, lower: Floats, upper: Floats, height: Floats
 ) -> tuple[Floats, Flags]:
     """Return where S, minimised over all other parameters, has risen by `height` (B,).
 

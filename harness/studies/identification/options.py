@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from analytic import InputError
 from harness.request import Option
+from harness.text import split
 
 
 def _one_of(name: str, *known: str) -> Callable[[str], str]:
@@ -21,15 +22,6 @@ def _whole(name: str, least: int, most: int) -> Callable[[str], int]:
         if not (text.isascii() and text.isdecimal() and least <= int(text[:12]) <= most):
             raise InputError(name, text, f"a whole number from {least} to {most}")
         return int(text)
-
-    return parse
-
-
-def _names(name: str) -> Callable[[str], tuple[str, ...]]:
-    def parse(text: str) -> tuple[str, ...]:
-        from harness.text import split
-
-        return tuple(split(name, text))
 
     return parse
 
@@ -67,9 +59,9 @@ OPTIONS = (
            "--case-file or built in; default the paper's Table I.", "published", str),
     Option("method", "ROW", "Its row; of Table I Theoretical (default) or FEA.", None, str),
     Option("parameters", "P,P", "Fitted together, with intervals; of one case alone as "
-           f"case2.z_mm. Default {FITTED}.", FITTED, _names("parameters")),
+           f"case2.z_mm. Default {FITTED}.", FITTED, lambda text: tuple(split("parameters", text))),
     Option("candidates", "P,P", "Readings are chosen from these; default eight for Table I, else "
-           "--parameters.", None, _names("candidates")),
+           "--parameters.", None, lambda text: tuple(split("candidates", text))),
     Option("free", "N", "Most free parameters a reading; default 3.", "3", _whole("free", 0, 5)),
     Option("bounds", "P=LOW..HIGH,...", "As in z_mm=400..700.", "", _bounds),
     Option("inertia", "disc|printed", "disc (default), or printed, Eq. 8.", "disc",

@@ -84,6 +84,11 @@ class Problem:
         return [PARAMETERS[name.rpartition(".")[2]] for name in self.names]
 
     @cached_property
+    def angles(self) -> NDArray[np.bool_]:
+        """Which of the names are angles, (P,)."""
+        return np.array([kind.angle for kind in self.kinds], dtype=bool)
+
+    @cached_property
     def owners(self) -> list[dict[str, str]]:
         """By which of the names each case knows the parameters that are fitted."""
         cases = self.table.cases
@@ -105,13 +110,11 @@ class Problem:
 
     def to_x(self, values: Floats) -> Floats:
         """Return x of values (..., P) in the units of the names."""
-        angles = np.array([kind.angle for kind in self.kinds], dtype=bool)
-        return np.where(angles, values, np.log(np.where(angles, 1.0, values)))
+        return np.where(self.angles, values, np.log(np.where(self.angles, 1.0, values)))
 
     def from_x(self, x: Floats) -> Floats:
         """Return values (..., P), in the units of the names, of x."""
-        angles = np.array([kind.angle for kind in self.kinds], dtype=bool)
-        return np.where(angles, x, np.exp(np.where(angles, 0.0, x)))
+        return np.where(self.angles, x, np.exp(np.where(self.angles, 0.0, x)))
 
     @cached_property
     def given(self) -> Floats:
@@ -132,8 +135,9 @@ class Problem:
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper bounds of x, (P,) each."""
         pairs = np.array([(kind.low, kind.high) for kind in self.kinds]).reshape(-1, 2)
-        for pair, name, kind, value in zip(pairs, self.names, self.kinds, self.given, strict=True):
-            pair[:] = self.bounds.get(name, pair if kind.angle else pair * value)
+        pairs[~self.angles] *= self.given[~self.angles, None]
+        for name, pair in zip(self.names, pairs, strict=True):
+            pair[:] = self.bounds.get(name, pair)
         low, high = self.to_x(pairs.T)
         return low, high
 

@@ -56,6 +56,11 @@ def inside(intervals, true):
     return (intervals[..., 0] <= true) & (true <= intervals[..., 1])
 
 
+def case_1_alone():
+    rows = {name: getattr(TABLE, name)[:1] for name in ("cases", "frequencies", "step")}
+    return replace(TABLE, **rows)
+
+
 def wholes(names, models):
     """The problems of readings with one slip at most."""
     slips = (("disc", False), ("disc", True), ("printed", False))
@@ -181,10 +186,7 @@ def test_table_1_pins_down_what_is_known_of_it():
 @pytest.mark.slow
 def test_case_1_alone_is_met_with_rotary_inertia():
     """z = 0.53336 m and |r1 - r2| = 0.1371 m, found by others; the lean's sign cannot be seen."""
-    table = TABLE
-    one = replace(
-        table, cases=table.cases[:1], frequencies=table.frequencies[:1], step=table.step[:1]
-    )
+    one = case_1_alone()
     problem = Problem(
         one,
         Named("rayleigh", 3),
@@ -285,10 +287,7 @@ def test_names_that_mean_nothing_are_refused(names, expected):
 
 
 def test_more_parameters_than_values_are_refused():
-    table = TABLE
-    one = replace(
-        table, cases=table.cases[:1], frequencies=table.frequencies[:1], step=table.step[:1]
-    )
+    one = case_1_alone()
     with pytest.raises(InputError, match="fewer than the 4 different values"):
         fit(Problem(one, MODEL, (*NAMES[:2], "rod_diameter_mm", "young_GPa")), one.logarithms[None])
 
