@@ -77,13 +77,9 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
     density = mechanism.limbs[0].rod.material.density
     plate = formulas.platform(r2, formulas.thickness, density)
     opened, apart = zip(*(_against_multipliers(case) for case in cases), strict=True)
+    orthogonal, right = R.transpose(0, 2, 1) @ R - np.eye(3), np.linalg.det(R) - 1
     return Equations(
-        rotation=float(
-            max(
-                np.abs(R.transpose(0, 2, 1) @ R - np.eye(3)).max(),
-                np.abs(np.linalg.det(R) - 1).max(),
-            )
-        ),
+        rotation=float(max(np.abs(orthogonal).max(), np.abs(right).max())),
         phi_alone=float(phi_alone.magnitude()),
         theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
         beside_plane=float(np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max()),
@@ -107,15 +103,12 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
 
 def _compatibility(mechanism: Mechanism, arm: Callable[[Floats], Floats]) -> float:
     """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
-    worst = 0.0
+    turns, worst = STEP * np.eye(3), []
     for point in np.array(mechanism.platform_points):  # a copy: rotating needs one to write to
-        for k in range(3):
-            turn = STEP * np.eye(3)[k]
-            ends = [Rotation.from_rotvec(sign * turn).apply(point) for sign in (1, -1)]
-            moved = (ends[0] - ends[1]) / (2 * STEP)
-            off = np.abs(arm(point)[:, 3 + k] - moved).max()
-            worst = max(worst, float(off / np.linalg.norm(point)))
-    return worst
+        ahead, behind = (Rotation.from_rotvec(sign * turns).apply(point) for sign in (1, -1))
+        off = arm(point)[:, 3:] - (ahead - behind).T / (2 * STEP)
+        worst.append(np.abs(off).max() / np.linalg.norm(point))
+    return float(max(worst))
 
 
 def _freedoms(case: Case) -> int:
