@@ -1,10 +1,5 @@
 """Fig. 3: error against the number of elements, with the floor that no number removes."""
 
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
-
 from analytic.model import Model
 from analytic.pairing import pair
 from harness import published
@@ -28,41 +23,41 @@ def section(run: Material) -> Section | None:
     if not cases:
         return Section(KEY, TITLE, MENU, run.only("convergence"), missing="no model has an answer")
     command = f"{run.only('convergence')},table"
-    data = {"elements": list(run.plan.elements), "modes": list(run.plan.shown), "cases": cases,
-            "command": command}  # fmt: skip
+    data = {
+        "elements": list(run.plan.elements),
+        "modes": list(run.plan.shown),
+        "cases": cases,
+        "command": command,
+    }
     context = {
         "cases": list(cases),
-        "families": list(dict.fromkeys(name for one in cases.values() for name in one["families"])),
-        "references": list(
-            dict.fromkeys(name for one in cases.values() for name in one["references"])
-        ),
+        **{
+            key: list(dict.fromkeys(name for one in cases.values() for name in one[key]))
+            for key in ("families", "references")
+        },
         "modes": list(run.plan.shown),
         "printed": any(one["printed"] for one in cases.values()),
-        "sentences": [line for result in found.values() for line in result.sentences()],
+        "sentences": [line for result in found for line in result.sentences()],
     }
     return Section(KEY, TITLE, MENU, command, context, data)
 
 
 def _case(run: Material, case: Case) -> Json:
     references = run.references(case)
-    families: dict[str, Json] = {}
+    families = {}
     for name, meshes in run.families(case).items():
         limit = next(iter(meshes.values())).limit()
-        errors, floors = {}, {}
-        for reference in references:
-            rows = [errors_of(run, case, meshes.get(s), reference) for s in run.plan.elements]
-            errors[label(reference)] = [None if row is None else _kept(row) for row in rows]
-            floor = errors_of(run, case, limit, reference)
-            floors[label(reference)] = None if floor is None else _kept(floor)
+        models = [meshes.get(s) for s in run.plan.elements]
         families[name] = {
-            "records": [run.record(case, m) if (m := meshes.get(s)) is not None else None
-                        for s in run.plan.elements],
-            "labels": [label(m) if (m := meshes.get(s)) is not None else ""
-                       for s in run.plan.elements],
-            "errors": errors,
-            "floors": floors,
-            "limit": None if limit is None else label(limit),
-        }  # fmt: skip
+            "records": [run.record(case, model) for model in models],
+            "labels": [label(model) if model else "" for model in models],
+            "errors": {
+                label(one): [_errors(run, case, model, one) for model in models]
+                for one in references
+            },
+            "floors": {label(one): _errors(run, case, limit, one) for one in references},
+            "limit": label(limit) if limit else None,
+        }
     return {
         "heading": case.heading,
         "families": families,
@@ -75,35 +70,26 @@ def _case(run: Material, case: Case) -> Json:
     }
 
 
-def errors_of(
+def _errors(
     run: Material, case: Case, model: Model | None, reference: Model
-) -> NDArray[np.float64] | None:
+) -> list[float | None] | None:
     """Return 100 (f / f_reference - 1) [%] of the modes shown, paired by shape, or None."""
-    ours = None if model is None else run.answers.get((case, model))
-    against = run.answers.get((case, reference))
+    ours = run.answers.get((case, model)) if model else None
+    against = run.answers[case, reference]
     count = max(run.plan.shown)
-    if ours is None or against is None or len(against.frequencies) < count:
+    if ours is None or len(against.frequencies) < count:
         return None
     first = ours.first(count)
     partner = pair(first, against, case.mechanism, case.pose).partner
     error = relative_error(first.frequencies, against.frequencies[partner])
-    return np.asarray(error[[i - 1 for i in run.plan.shown]])
+    return [digits(error[i - 1], 8) for i in run.plan.shown]
 
 
-def _kept(values: NDArray[np.float64]) -> list[float | None]:
-    return [digits(float(value), 8) for value in values]
-
-
-def _described(run: Material, case: Case, reference: Model) -> dict[str, Any]:
+def _described(run: Material, case: Case, reference: Model) -> Json:
     modes = run.answers[case, reference]
-    own = modes.uncertainty
-    shown = [i - 1 for i in run.plan.shown]
-    percent = (
-        None if own is None
-        else [digits(100 * own[i] / modes.frequencies[i], 4) for i in shown]
-    )  # fmt: skip
+    own = None if modes.uncertainty is None else 100 * modes.uncertainty / modes.frequencies
     return {
         "theory": modes.theory,
-        "uncertainty": percent,
+        "uncertainty": None if own is None else digits([own[i - 1] for i in run.plan.shown], 4),
         "record": run.record(case, reference),
     }

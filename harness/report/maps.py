@@ -1,35 +1,34 @@
 """The workspace: maps of every mode, one model against another, and what changed since."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.report.ledger import Ledger, environment, in_words, variant
+from harness.report.ledger import Fields, Ledger, environment, in_words, variant
 from harness.report.material import Material
 from harness.report.recorded import Recorded, Rows
 from harness.report.section import Json, Section, digits
 from harness.rows import GATE, MAP
 
-KEY, TITLE, MENU = "workspace", "Workspace: frequencies over the poses", "Workspace"
+KEY = "workspace"
 OWN = "this run"
 MOST = 60_000
 """Frequencies of the run's own map that the page has room for."""
 KEPT = 10
 """Digits of a number of a map: what machines agree on."""
+COLUMNS = ("z_m", "azimuth_rad", "tilt_rad", "mode", "frequency_hz")
 Pose = tuple[float, float, float]
 Answer = dict[int, dict[Pose, float]]
 """Frequencies [Hz] by mode and pose [mm, deg, deg]."""
 
 
-@dataclass(frozen=True)
-class Map:
+class Map(NamedTuple):
     """What a model gave over many poses.
 
     Attributes: `kind`, of a map or of the gate; `mechanism`, its hash; `run`; `when` it was, in
-    words; `model`; `answer`; `version` of its program; `record`, where it comes from.
+    words; `model`; `version` of its program; `record`, where it comes from; `answer`.
     """
 
     kind: str
@@ -37,9 +36,9 @@ class Map:
     run: str
     when: str
     model: str
-    answer: Answer
     version: str
     record: int
+    answer: Answer
 
     @property
     def poses(self) -> frozenset[Pose]:
@@ -52,80 +51,70 @@ def own(run: Material) -> Json | None:
     part = run.part("workspace")
     if part is None:
         return None
-    maps, left = [], []
+    command = run.only("workspace")
+    found: dict[tuple[str, str], Rows] = {}
     for result in part.results.values():
-        found: dict[tuple[str, str], Rows] = {}
         for row in result.rows():
             if row["case"] == MAP:
                 found.setdefault((row["model"], row["settings"]), []).append(row)
-        for (model, settings), rows in found.items():
-            if len(rows) > MOST:
-                left.append(f"{model}, {len(rows):,} frequencies")
-                continue
-            fields = {"Model": model, "Theory": rows[0]["theory"], "Version": rows[0]["version"],
-                      "Settings": in_words(settings), "Mechanism": rows[0]["mechanism"],
-                      "Command": run.only("workspace")}  # fmt: skip
-            record = run.ledger.add(f"{model} over the workspace", fields, [run.run])
-            maps.append({
-                "mechanism": rows[0]["mechanism"], "model": model, "version": rows[0]["version"],
-                "record": record,
-                "rows": [[digits(row[name], KEPT) for name in
-                          ("z_m", "azimuth_rad", "tilt_rad", "mode", "frequency_hz")]
-                         for row in rows],
-            })  # fmt: skip
+    maps, left = [], []
+    for (model, _), rows in found.items():
+        if len(rows) > MOST:
+            left.append(f"{model}, {len(rows):,} frequencies")
+            continue
+        fields = {**_about(rows[0]), "Command": command}
+        maps.append({
+            "mechanism": rows[0]["mechanism"],
+            "model": model,
+            "version": rows[0]["version"],
+            "record": run.ledger.add(f"{model} over the workspace", fields, [run.run]),
+            "rows": digits([[row[name] for name in COLUMNS] for row in rows], KEPT),
+        })  # fmt: skip
     sentences = [line for result in part.results.values() for line in result.sentences()]
-    return {"maps": maps, "left": left, "command": run.only("workspace"), "sentences": sentences}
+    return {"maps": maps, "left": left, "command": command, "sentences": sentences}
+
+
+def _about(row: Mapping[str, Any]) -> Fields:
+    names = ("model", "theory", "version", "settings", "mechanism")
+    return {name.capitalize(): row[name] for name in names} | {
+        "Settings": in_words(row["settings"])
+    }
 
 
 def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str) -> Section:
     """Return the section of this run's maps, as `own` kept them, and of recorded ones."""
-    maps = [] if kept is None else [_own(one) for one in kept["maps"]]
+    kept = kept or {"maps": [], "left": [], "command": command, "sentences": []}
+    maps = [
+        Map(MAP, one["mechanism"], OWN, OWN, one["model"], one["version"], one["record"],
+            _folded(dict(zip(COLUMNS, row, strict=True)) for row in one["rows"]))
+        for one in kept["maps"]
+    ]  # fmt: skip
     runs = {row["run"]: row for row in recorded.runs}
-    folded: dict[str, Answer] = {}
+    folded = {name: _folded(rows) for name, rows in recorded.answers.items()}
     left: dict[str, list[str]] = {}
     for row in recorded.maps:
-        if row["answer"] in recorded.answers:
-            if row["answer"] not in folded:
-                folded[row["answer"]] = _folded(recorded.answers[row["answer"]])
+        if row["answer"] in folded:
             maps.append(_recorded(row, folded[row["answer"]], runs[row["run"]], ledger))
         else:
             left.setdefault(row["case"], []).append(row["model"])
     sets = _sets(maps, left)
-    command = command if kept is None else kept["command"]
+    about = KEY, "Workspace: frequencies over the poses", "Workspace", kept["command"]
     if not sets:
-        return Section(KEY, TITLE, MENU, command, missing=f"`{command}` makes this section")
-    context = {
-        "sets": [one["name"] for one in sets],
-        "sentences": [] if kept is None else kept["sentences"],
-        "left": [] if kept is None else kept["left"],
-    }
-    return Section(KEY, TITLE, MENU, command, context, sets)
-
-
-def _own(one: Json) -> Map:
-    names = ("z_m", "azimuth_rad", "tilt_rad", "mode", "frequency_hz")
-    answer = _folded(dict(zip(names, row, strict=True)) for row in one["rows"])
-    return Map(MAP, one["mechanism"], OWN, OWN, one["model"], answer, one["version"], one["record"])
+        return Section(*about, missing=f"`{kept['command']}` makes this section")
+    names = [one["name"] for one in sets]
+    context = {"sets": names, "sentences": kept["sentences"], "left": kept["left"]}
+    return Section(*about, context, sets)
 
 
 def _recorded(
     row: Mapping[str, Any], answer: Answer, run: Mapping[str, Any], ledger: Ledger
 ) -> Map:
-    apart = variant(row["settings"])
-    model = f"{row['model']}, {apart}" if apart else row["model"]
-    fields = {
-        "Model": row["model"],
-        "Theory": row["theory"],
-        "Version": row["version"],
-        "Settings": in_words(row["settings"]),
-        "Mechanism": row["mechanism"],
-        **environment(run),
-        "Command": run["command"],
-    }
+    model = ", ".join(filter(None, [row["model"], variant(row["settings"])]))
+    fields = {**_about(row), **environment(run), "Command": run["command"]}
     record = ledger.add(f"{model} over the workspace", fields)
     when = f"{run['time']:%Y-%m-%d %H:%M:%S}, {run['commit'][:7]}"
-    return Map(row["case"], row["mechanism"], row["run"], when, model, answer, row["version"],
-               record)  # fmt: skip
+    return Map(row["case"], row["mechanism"], row["run"], when, model, row["version"], record,
+               answer)  # fmt: skip
 
 
 def _folded(rows: Iterable[Mapping[str, Any]]) -> Answer:
@@ -149,24 +138,18 @@ def _sets(maps: Sequence[Map], left: Mapping[str, list[str]]) -> list[Json]:
         groups.setdefault((one.kind, one.mechanism, one.poses), []).append(one)
     sets: dict[str, Json] = {}
     for (kind, mechanism, where), group in groups.items():
-        name = _name(kind, where)
+        poses = sorted(where)
+        ends = dict.fromkeys(f"{pose[0]:.0f}" for pose in (poses[0], poses[-1]))
+        name = f"{len(poses):,} poses, {' to '.join(ends)} mm"
+        if kind == GATE:
+            name = "the gate's poses"
         if name in sets:
             name += f" (mechanism {mechanism}, {group[0].model}, {group[0].when})"
-        sets[name] = {"name": name, "note": _note(left.get(kind, [])), **_set(group, sorted(where))}
+        none = left.get(kind, [])
+        models = ", ".join(sorted(set(none)))
+        note = f"Recorded, but no room on the page: {len(none)} more, of {models}."
+        sets[name] = {"name": name, "note": note if none else "", **_set(group, poses)}
     return list(sets.values())
-
-
-def _name(kind: str, poses: frozenset[Pose]) -> str:
-    if kind == GATE:
-        return "the gate's poses"
-    heights = [pose[0] for pose in poses]
-    ends = dict.fromkeys(f"{z:.0f}" for z in (min(heights), max(heights)))
-    return f"{len(poses):,} poses, {' to '.join(ends)} mm"
-
-
-def _note(left: Sequence[str]) -> str:
-    models = ", ".join(sorted(set(left)))
-    return f"Recorded, but no room on the page: {len(left)} more, of {models}." if left else ""
 
 
 def _set(maps: Sequence[Map], poses: list[Pose]) -> Json:
@@ -175,10 +158,9 @@ def _set(maps: Sequence[Map], poses: list[Pose]) -> Json:
     runs: dict[str, Json] = {}
     alone = len({one.model for one in maps}) == 1
     for one in maps:
-        modes = max(one.answer)
         grid = np.array([
             [one.answer.get(mode, {}).get(pose, np.nan) for pose in poses]
-            for mode in range(1, modes + 1)
+            for mode in range(1, max(one.answer) + 1)
         ])  # fmt: skip
         same = (k for k, known in enumerate(grids) if np.array_equal(grid, known, equal_nan=True))
         place = next(same, len(grids))
@@ -187,8 +169,4 @@ def _set(maps: Sequence[Map], poses: list[Pose]) -> Json:
         name = one.when if told else f"{one.when}, {one.model}"
         about = {"values": place, "version": one.version, "record": one.record}
         runs.setdefault(one.run, {"name": name, "models": {}})["models"][one.model] = about
-    return {
-        "poses": poses,
-        "runs": list(runs.values()),
-        "values": [[[digits(f) for f in mode] for mode in grid.tolist()] for grid in grids],
-    }
+    return {"poses": poses, "runs": list(runs.values()), "values": digits(grids)}

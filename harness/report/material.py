@@ -34,14 +34,14 @@ class Material:
     command: str
     ledger: Ledger = field(default_factory=Ledger)
 
-    def of(self, kind: type[R]) -> dict[str, R]:
-        """Return the results of one type by stem."""
-        return {
-            stem: result
-            for part in self.parts
-            for stem, result in part.results.items()
-            if isinstance(result, kind)
-        }
+    @property
+    def results(self) -> list[Result]:
+        """All results of the run."""
+        return [result for part in self.parts for result in part.results.values()]
+
+    def of(self, kind: type[R]) -> list[R]:
+        """Return the results of one type."""
+        return [result for result in self.results if isinstance(result, kind)]
 
     def only(self, name: str) -> str:
         """Return the command that makes the study called `name` of this run again."""
@@ -51,24 +51,16 @@ class Material:
         """Return what the study called `name` made, or None where it was not asked."""
         return next((part for part in self.parts if part.entry.name == name), None)
 
-    @property
-    def about_paper(self) -> bool:
-        """Whether the run is about cases of the paper."""
-        return any(case.published for case in self.plan.cases)
-
     @cached_property
     def answers(self) -> dict[tuple[Case, Model], Modes]:
         """Every answer of the run at the plan's cases; of two of a model the one of more modes."""
         found: dict[tuple[Case, Model], Modes] = {}
-        for part in self.parts:
-            for result in part.results.values():
-                for study in result.studies:
-                    for key, modes in study.answers.items():
-                        known = found.get(key)
-                        if key[0] in self.plan.cases and (
-                            known is None or len(known.frequencies) < len(modes.frequencies)
-                        ):
-                            found[key] = modes
+        for study in (study for result in self.results for study in result.studies):
+            for (case, model), modes in study.answers.items():
+                known = found.get((case, model))
+                more = known is None or len(known.frequencies) < len(modes.frequencies)
+                if more and case in self.plan.cases:
+                    found[case, model] = modes
         return found
 
     def models(self, case: Case) -> list[Model]:
@@ -78,9 +70,9 @@ class Material:
     def references(self, case: Case) -> list[Model]:
         """Return what a theory can be held against at `case`: references, and exact theories."""
         known = self.models(case)
-        asked = [*self.plan.references, *([self.plan.solid] if self.plan.solid else [])]
+        asked = (*self.plan.references, self.plan.solid)
         exact = [model for model in known if model.elements is None and model.limit() == model]
-        return list(dict.fromkeys([model for model in asked if model in known] + exact))
+        return list(dict.fromkeys([model for model in asked if model and model in known] + exact))
 
     def families(self, case: Case) -> dict[str, dict[int, Model]]:
         """Return models with some of the plan's elements, by name and elements; the theory first.
@@ -94,17 +86,18 @@ class Material:
                 found.setdefault(replace(model, elements=None), {})[model.elements] = model
         least = min(FEWEST, len(self.plan.elements))
         own = replace(self.plan.theory, elements=None)
-        ordered = sorted(found.items(), key=lambda one: one[0] != own)
         return {
-            f"{family.name}{_said(family)}": dict(sorted(meshes.items()))
-            for family, meshes in ordered
+            ", ".join([family.name, *(f"{name} {value}" for name, value in family.settings)]): dict(
+                sorted(meshes.items())
+            )
+            for family, meshes in sorted(found.items(), key=lambda one: one[0] != own)
             if len(meshes) >= least or family == own
         }
 
-    def record(self, case: Case, model: Model) -> int | None:
+    def record(self, case: Case, model: Model | None) -> int | None:
         """Return the record of a model's answer at a case, or None where there is none."""
-        modes = self.answers.get((case, model))
-        if modes is None:
+        modes = self.answers.get((case, model)) if model else None
+        if modes is None or model is None:
             return None
         count = min(max(self.plan.shown), len(modes.frequencies))
         rows = mode_rows(case, label(model), settings(model, count + SPARE), modes, count)
@@ -123,7 +116,3 @@ class Material:
 
         about: dict[str, Any] = {"time": datetime.now(UTC), **provenance()}
         return self.ledger.add("This run", {**environment(about), "Command": self.command})
-
-
-def _said(family: Named) -> str:
-    return "".join(f", {name} {value}" for name, value in family.settings)

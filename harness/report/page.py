@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from gzip import compress
 from hashlib import sha256
-from importlib import import_module
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, UndefinedError
@@ -19,7 +18,7 @@ from plotly.offline import get_plotlyjs
 
 from analytic import InputError, __version__
 from harness.plan import Plan
-from harness.report import first, history, maps, others
+from harness.report import fig3, first, history, maps, shapes, studies, table_one
 from harness.report.ledger import Ledger
 from harness.report.material import Material
 from harness.report.recorded import MOST_NUMBERS, read_recorded
@@ -28,10 +27,11 @@ from harness.reproduce import Part
 
 PAGE, FILE, CHECK = "index.html", "page.json", "check.json"
 FORMAT, VERSION = "rps-bench page", 1
-MODULES = ("verdicts", "table_one", "fig3", "budget", "work", "shapes", "provenance")
-"""Sections that are made of the run alone, a module of this package each."""
+MAKERS = (studies.claims, table_one.section, fig3.section, studies.budget, studies.work,
+          shapes.section, studies.provenance)  # fmt: skip
+"""What makes the sections that are made of the run alone."""
 ORDER = (first.KEY, "claims", "table1", "fig3", "budget", "work-precision", maps.KEY, "shapes",
-         *others.MENU, history.KEY, "provenance")  # fmt: skip
+         *studies.OTHERS, history.KEY, "provenance")  # fmt: skip
 COMMAND = "rps-bench reproduce"
 
 
@@ -49,14 +49,10 @@ def page_files(
 def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
     """Return what the page says of a run, in the form of page.json."""
     run = Material(plan, tuple(parts), command)
-    found = [
-        one for name in MODULES
-        if (one := import_module(f"harness.report.{name}").section(run)) is not None
-    ]  # fmt: skip
-    found += [one for name in others.MENU if (one := others.section(run, name)) is not None]
-    fig3 = next((one for one in found if one.key == "fig3"), None)
-    found.append(first.section(run, fig3))
-    sections = {one.key: vars(one) for one in found}
+    made = [make(run) for make in MAKERS] + [studies.other(run, name) for name in studies.OTHERS]
+    sections = {one.key: vars(one) for one in made if one is not None}
+    top = first.section(run, sections.get("fig3", {}).get("data"))
+    sections[top.key] = vars(top)
     return {
         "format": FORMAT, "version": VERSION, "release": __version__, "command": command,
         "sections": sections, "maps": maps.own(run), "ledger": run.ledger.records,
@@ -65,17 +61,16 @@ def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
 
 def load(results: Path) -> Json:
     """Return page.json of the folder `results`; raises `InputError` where it is none of ours."""
-    file = results / FILE
     expected = f"a folder with a {FILE} that `{COMMAND}` of this release has written"
     try:
-        kept = json.loads(file.read_text(encoding="utf-8"))
+        kept = json.loads((results / FILE).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is damaged"
         raise InputError("results", str(results), f"{expected} ({FILE}: {reason})") from None
     known = isinstance(kept, dict) and kept.get("format") == FORMAT
-    if not known or kept.get("version") != VERSION:
-        found = kept.get("version") if known else "none"
-        raise InputError("results", str(results), f"{expected} (version {VERSION}, not {found})")
+    version = kept.get("version") if known else "none"
+    if version != VERSION:
+        raise InputError("results", str(results), f"{expected} (version {VERSION}, not {version})")
     return dict(kept)
 
 
@@ -102,8 +97,7 @@ def render(kept: Json, folder: Path | None, check: Json | None) -> bytes:
     try:
         return _rendered(kept, folder, check)
     except (KeyError, TypeError, AttributeError, UndefinedError) as error:
-        expected = f"a {FILE} that is whole (it lacks {error})"
-        raise InputError("results", FILE, expected) from None
+        raise InputError("results", FILE, f"a file that is whole (it lacks {error})") from None
 
 
 def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:

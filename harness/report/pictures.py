@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import limbs_at, position
 from harness.cases import Case
 from harness.report.section import Json
+from harness.report.shapes import geometry
 
 Array = NDArray[np.float64]
 TURN, HEIGHT = math.radians(-62), math.radians(20)
@@ -26,73 +27,56 @@ PANELS = 2
 
 def mechanism(case: Case) -> Json:
     """Return the mechanism of a case at its pose as seen from the front: lines and outlines."""
-    limbs = limbs_at(case.mechanism, case.pose)
-    bases = case.mechanism.bases
-    tips = bases + limbs.lengths[:, None] * limbs.frames[:, :, 2]
-    centre = np.asarray(position(case.mechanism, case.pose))
-    x, y = case.pose.rotation.T[:2]
-    radius = float(np.linalg.norm(case.mechanism.platform_points, axis=1).max())
-    round_ = np.linspace(0, 2 * np.pi, 49)[:-1]
-    disc = centre + radius * (np.cos(round_)[:, None] * x + np.sin(round_)[:, None] * y)
-    everything = np.concatenate([bases, tips, disc])
-    flat = _seen(everything)
+    there = geometry(case)
+    bases, tips = there["bases"], there["tips"]
+    turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    edge = np.column_stack([np.cos(turns), np.sin(turns)]) @ there["axes"]
+    disc = there["centre"] + there["radius"] * edge
+    away, up = math.cos(HEIGHT), math.sin(HEIGHT)
+    front = np.array([math.cos(TURN), math.sin(TURN), 0.0])
+    plane = np.array([[-front[1], front[0], 0.0], [-up * front[0], -up * front[1], away]]).T
+    flat = np.concatenate([bases, tips, disc]) @ plane
     low, high = flat.min(axis=0), flat.max(axis=0)
-    scale = min((WIDE - 110) / (high[0] - low[0]), (HIGH - 60) / (high[1] - low[1]))
-
-    def place(points: Array) -> list[list[float]]:
-        off = (_seen(np.atleast_2d(points)) - (low + high) / 2) * scale
-        return [[round(WIDE / 2 + u, 1), round(HIGH / 2 - v, 1)] for u, v in off]
-
-    depth = (bases + tips) @ np.array([math.cos(TURN), math.sin(TURN), 0.0])
-    drawn = [
-        {
-            "from": place(bases[k])[0],
-            "to": place(tips[k])[0],
-            "width": round(case.mechanism.limbs[k].rod.diameter * scale, 1),
-        }
-        for k in np.argsort(depth)
-    ]
+    scale = np.min((np.array([WIDE, HIGH]) - [110, 60]) / (high - low))
+    drawn = (flat - (low + high) / 2) * scale * [1, -1] + np.array([WIDE, HIGH]) / 2
+    ground, ends, platform = np.split(np.round(drawn, 1), [len(bases), 2 * len(bases)])
     return {
         "width": WIDE,
         "height": HIGH,
-        "base": place(bases),
-        "platform": place(disc),
-        "limbs": drawn,
+        "base": ground.tolist(),
+        "platform": platform.tolist(),
+        "limbs": [
+            {
+                "from": ground[k].tolist(),
+                "to": ends[k].tolist(),
+                "width": round(float(2 * there["rods"][k] * scale), 1),
+            }
+            for k in np.argsort((bases + tips) @ front)
+        ],
         "caption": case.heading,
     }
-
-
-def _seen(points: Array) -> Array:
-    """Return where points lie on the picture's plane, to the right and up."""
-    side = np.array([-math.sin(TURN), math.cos(TURN), 0.0])
-    up = np.array([
-        -math.sin(HEIGHT) * math.cos(TURN), -math.sin(HEIGHT) * math.sin(TURN), math.cos(HEIGHT)
-    ])  # fmt: skip
-    return np.asarray(points @ np.array([side, up]).T)
 
 
 def fig3(data: Json) -> Json | None:
     """Return Fig. 3 of the first family against the first reference, with the floor, to draw."""
     panels = []
     for name, case in list(data["cases"].items())[:PANELS]:
-        family, (reference, *_) = next(iter(case["families"].items())), case["references"]
-        errors = _matrix(family[1]["errors"][reference], len(data["modes"]))
-        floor = _matrix([family[1]["floors"][reference]], len(data["modes"]))[0]
-        if np.isfinite(errors).any():
-            panels.append(_panel(data, case["heading"] or name, errors, floor))
+        family, about = next(iter(case["families"].items()))
+        reference = next(iter(case["references"]))
+        none = [None] * len(data["modes"])
+        rows = [*about["errors"][reference], about["floors"][reference]]
+        known = np.array([row or none for row in rows], dtype=float)
+        if np.isfinite(known[:-1]).any():
+            panels.append(_panel(data, case["heading"] or name, known))
     if not panels:
         return None
-    title = f"{family[0]} with s elements a limb against {reference}"
-    return {**PANEL, "panels": panels, "title": title, "limit": family[1]["limit"]}
+    title = f"{family} with s elements a limb against {reference}"
+    return {**PANEL, "panels": panels, "title": title, "limit": about["limit"]}
 
 
-def _matrix(rows: Sequence[Any], width: int) -> Array:
-    return np.array([[np.nan] * width if row is None else row for row in rows], dtype=float)
-
-
-def _panel(data: Json, title: str, errors: Array, floor: Array) -> Json:
+def _panel(data: Json, title: str, shown: Array) -> Json:
+    """Return a panel of errors, (elements + 1, modes) [%], whose last row is the floor."""
     steps = data["elements"]
-    shown = np.concatenate([errors, floor[None]])
     known = shown[np.isfinite(shown)]
     logarithmic = bool((known > 0).all() and known.max() > 3 * known.min())
     low, high = (0.8 * known.min(), 1.25 * known.max()) if logarithmic else _span(known)
@@ -107,13 +91,12 @@ def _panel(data: Json, title: str, errors: Array, floor: Array) -> Json:
         return round(float(PANEL["top"] + tall * (ends[1] - ends[2]) / (ends[1] - ends[0])), 1)
 
     lines = []
-    for place, mode in enumerate(data["modes"]):
-        values = errors[:, place]
-        points = [[across(k), down(v)] for k, v in enumerate(values) if np.isfinite(v)]
-        if points:
-            own = None if not np.isfinite(floor[place]) else down(floor[place])
-            last = float(values[np.isfinite(values)][-1])
-            lines.append({"mode": mode, "points": points, "floor": own, "last": last})
+    for mode, (*values, floor) in zip(data["modes"], shown.T, strict=True):
+        finite = [(k, float(v)) for k, v in enumerate(values) if np.isfinite(v)]
+        if finite:
+            points = [[across(k), down(v)] for k, v in finite]
+            own = down(floor) if np.isfinite(floor) else None
+            lines.append({"mode": mode, "points": points, "floor": own, "last": finite[-1][1]})
     ticks = [t for t in TICKS if low <= t <= high] if logarithmic else _steps(low, high)
     return {
         "title": title,
@@ -126,21 +109,17 @@ def _panel(data: Json, title: str, errors: Array, floor: Array) -> Json:
 
 def _labels(lines: Sequence[Json]) -> list[Json]:
     """Return one label for all curves that end at nearly one place: "e5, e6"."""
-    groups: list[list[Json]] = []
-    for line in sorted(lines, key=lambda one: one["points"][-1][1]):
-        end = line["points"][-1][1]
-        if groups and end - groups[-1][-1]["points"][-1][1] < LINE:
-            groups[-1].append(line)
-        else:
-            groups.append([line])
+    ordered = sorted(lines, key=lambda line: line["points"][-1][1])
+    heights = np.array([line["points"][-1][1] for line in ordered])
+    cuts = [0, *(np.flatnonzero(np.diff(heights) >= LINE) + 1), len(ordered)]
     labels = []
-    for group in groups:
-        modes = sorted(line["mode"] for line in group)
-        ends = [line["points"][-1] for line in group]
+    for start, end in pairwise(cuts):
+        group = ordered[start:end]
         low, high = (round(f(line["last"] for line in group), 1) for f in (min, max))
+        modes = sorted(line["mode"] for line in group)
         labels.append({
-            "x": ends[0][0] + 10,
-            "y": round(float(np.mean([y for _, y in ends])), 1),
+            "x": group[0]["points"][-1][0] + 10,
+            "y": round(float(heights[start:end].mean()), 1),
             "modes": modes,
             "name": _name(modes),
             "value": f"{low:g} %" if low == high else f"{low:g} to {high:g} %",
@@ -154,8 +133,8 @@ def _name(modes: Sequence[int]) -> str:
     return ", ".join(f"e{mode}" for mode in modes)
 
 
-def _span(known: Array) -> tuple[float, float]:
-    low, high = min(0.0, float(known.min())), max(0.0, float(known.max()))
+def _span(known: Array) -> tuple[Any, Any]:
+    low, high = min(0.0, known.min()), max(0.0, known.max())
     room = 0.08 * (high - low) or 1.0
     return low - room * (low < 0), high + room
 

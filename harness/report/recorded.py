@@ -1,7 +1,7 @@
 """What the page takes of the history: no more than it can show, however long the history is."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate, chain, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,10 @@ MOST_NUMBERS = 160_000
 """Rows of named cases, and frequencies and poses of maps, in the page; of more, the newest."""
 MOST_POINTS = 100_000
 """Of these, rows of named cases."""
-MAPS = (GATE, MAP)
+MAPS = (MAP, GATE)
 """What `case` says of poses that are shown as maps."""
 ABOUT_RUN = ("command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
+NAMED = f"""("case" IS NULL OR "case" NOT IN {MANY_POSES})"""
 POSE = "round(z_m, 9), round(azimuth_rad, 9), round(tilt_rad, 9)"
 """A pose to a nanometre and a nanoradian: closer than that two of them are one."""
 ONE_MAP = """concat_ws(' ', "case", run, mechanism, model, settings)"""
@@ -54,104 +55,60 @@ def read_recorded(folder: Path | None, room: int = MOST_NUMBERS) -> Recorded:
     if folder is None:
         return Recorded()
     store = open_history(folder)
-    skipped = tuple((path.name, why) for path, why in store.skipped)
-    points, older = _points(store)
-    maps = _maps(store)
-    answers = _answers(store, maps, room - len(points))
-    return Recorded(_runs(store), points, older, maps, answers, _sweeps(store), skipped)
-
-
-def _asked(store: History, sql: str, params: Sequence[object] = ()) -> Rows:
-    return store.query(sql, list(params)).rows()
-
-
-def _runs(store: History) -> Rows:
     about = ", ".join(f'coalesce(min("{name}"), \'not known\') AS "{name}"' for name in ABOUT_RUN)
-    return _asked(
-        store,
-        f"""SELECT run, {about}, min(time) AS time, count(*) AS "rows" FROM rows
-        GROUP BY run ORDER BY time, run""",
-    )
-
-
-def _points(store: History) -> tuple[Rows, int]:
-    named = f'("case" IS NULL OR "case" NOT IN ({_marks(MANY_POSES)}))'
-    sizes = _asked(
-        store,
-        f"""SELECT run, count(*) AS own FROM rows WHERE {named}
-        GROUP BY run ORDER BY run DESC""",
-        MANY_POSES,
-    )
-    chosen: list[str] = []
-    total = 0
-    for size in sizes:
-        total += size["own"]
-        if chosen and total > MOST_POINTS:
-            break
-        chosen.append(size["run"])
-    points = _asked(
-        store,
+    runs = store.query(
+        f"""SELECT run, {about}, min(time) AS time, count(*) AS "rows",
+        count(*) FILTER ({NAMED}) AS named FROM rows GROUP BY run ORDER BY time, run"""
+    ).rows()
+    sizes = {row["run"]: row["named"] for row in runs if row["named"]}
+    newest = list(sizes)[::-1]
+    totals = list(accumulate(sizes[run] for run in newest))
+    chosen = [run for k, run in enumerate(newest) if not k or totals[k] <= MOST_POINTS]
+    points = store.query(
         f"""SELECT run, coalesce("case", 'none') AS "case", mechanism, z_m, azimuth_rad, tilt_rad,
         model, theory, settings, version, mode, frequency_hz, build_s, solve_s
-        FROM rows WHERE {named} AND list_contains(?, run)
+        FROM rows WHERE {NAMED} AND list_contains(?, run)
         ORDER BY time, run, "case", model, mechanism, settings, mode, frequency_hz, solve_s""",
-        [*MANY_POSES, chosen],
-    )
-    return points, len(sizes) - len(chosen)
-
-
-def _maps(store: History) -> Rows:
-    return _asked(
-        store,
+        [chosen],
+    ).rows()
+    maps = store.query(
         f"""SELECT {ONE_MAP} AS map, "case", run, mechanism, model, settings, min(theory) AS theory,
         min(version) AS version, count(DISTINCT hash({POSE})) AS poses, count(*) + poses AS numbers,
         sum(hash({POSE}, mode, frequency_hz))::VARCHAR AS answer
-        FROM rows WHERE "case" IN ({_marks(MAPS)})
+        FROM rows WHERE "case" IN {MAPS}
         AND z_m + azimuth_rad + tilt_rad + mode IS NOT NULL GROUP BY ALL
         HAVING poses >= {A_LAYER} * count(DISTINCT round(z_m, 9))
-        ORDER BY "case", run DESC, model, settings, mechanism""",
-        MAPS,
-    )
+        ORDER BY "case", run DESC, model, settings, mechanism"""
+    ).rows()
+    sweeps = store.query(
+        f"""SELECT run, string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
+        max(poses) AS poses, sum(poses)::BIGINT AS "rows"
+        FROM (SELECT run, model, mode, count(*) AS poses
+            FROM rows WHERE "case" = '{SWEEP}' GROUP BY run, model, mode)
+        GROUP BY run ORDER BY run DESC"""
+    ).rows()
+    answers = _answers(store, maps, room - len(points))
+    skipped = tuple((path.name, why) for path, why in store.skipped)
+    return Recorded(runs, points, len(newest) - len(chosen), maps, answers, sweeps, skipped)
 
 
 def _answers(store: History, maps: Rows, room: int) -> dict[str, Rows]:
     """Return the rows of the newest different answers, of one kind of map as of the other."""
-    once: dict[str, dict[str, Any]] = {}
-    for one in maps:
-        once.setdefault(one["answer"], one)
-    turns: dict[str, int] = {}
-    order = []
-    for one in once.values():
-        turns[one["case"]] = turns.get(one["case"], -1) + 1
-        order.append((turns[one["case"]], one))
+    once = {one["answer"]: one["map"] for one in maps[::-1]}
+    first = [one for one in maps if once[one["answer"]] == one["map"]]
+    kinds = [[one for one in first if one["case"] == kind] for kind in MAPS]
     kept = []
-    for _, one in sorted(order, key=lambda pair: pair[0]):
-        if one["numbers"] <= room:
+    for one in chain.from_iterable(zip_longest(*kinds)):
+        if one and one["numbers"] <= room:
             kept.append(one["map"])
             room -= one["numbers"]
-    rows = _asked(
-        store,
+    rows = store.query(
         f"""SELECT {ONE_MAP} AS map, z_m, azimuth_rad, tilt_rad, mode, frequency_hz
-        FROM rows WHERE "case" IN ({_marks(MAPS)}) AND list_contains(?, {ONE_MAP}) ORDER BY ALL""",
-        [*MAPS, kept],
-    )
+        FROM rows WHERE "case" IN {MAPS} AND list_contains(?, {ONE_MAP}) ORDER BY ALL""",
+        [kept],
+    ).rows()
     answer = {one["map"]: one["answer"] for one in maps}
     found: dict[str, Rows] = {}
     for row in rows:
         found.setdefault(answer[row["map"]], []).append(row)
     return found
-
-
-def _sweeps(store: History) -> Rows:
-    return _asked(
-        store,
-        f"""SELECT run, string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
-        max(poses) AS poses, sum(poses)::BIGINT AS "rows"
-        FROM (SELECT run, model, mode, count(*) AS poses
-            FROM rows WHERE "case" = '{SWEEP}' GROUP BY run, model, mode)
-        GROUP BY run ORDER BY run DESC""",
-    )
-
-
-def _marks(values: Sequence[str]) -> str:
-    return ", ".join("?" * len(values))

@@ -1,11 +1,12 @@
 """A section of the page as JSON can keep it, and numbers that say where they come from."""
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.tables import Cell, Number, Table
+import numpy as np
+
+from harness.tables import Number, Table
 
 Json = dict[str, Any]
 
@@ -35,36 +36,32 @@ def number(text: str, full: str, what: str, record: int | None) -> Json | str:
     return {"text": text, "full": full, "what": what, "record": record}
 
 
-def digits(value: float | None, count: int = 12) -> float | None:
-    """Return `value` with `count` significant digits; None for what is no number."""
+def digits(value: Any, count: int = 12) -> Any:
+    """Return numbers, in lists or not, to `count` significant digits; None for what is none."""
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [digits(one, count) for one in value]
     if value is None or not math.isfinite(value):
         return None
     return float(f"{value:.{count}g}")
 
 
-Recorder = Callable[[Sequence[Cell], int], int | None]
-
-
-def shown(table: Table, record: Recorder) -> Json:
-    """Return a table as the page shows it; `record(row, column)` says where a number comes from."""
-    numeric = [
-        any(isinstance(row[k], (int, Number)) for row in table.rows)
-        for k in range(len(table.columns))
-    ]
-
-    def one(row: Sequence[Cell], k: int) -> Json | str:
-        value = row[k]
-        if not isinstance(value, Number):
-            return str(value)
-        words = ", ".join(str(cell) for cell in row[:k] if isinstance(cell, (str, int)) and cell)
-        what = f"{table.columns[k]}: {words}"
-        return number(str(value), repr(float(value.value)), what, record(row, k))
-
-    rows = [[one(row, k) for k in range(len(row))] for row in table.rows]
+def shown(table: Table, record: int | None = None) -> Json:
+    """Return a table as the page shows it; its numbers come from `record`."""
+    rows: list[list[Any]] = []
+    for row in table.rows:
+        rows.append([str(cell) for cell in row])
+        for k, cell in enumerate(row):
+            if isinstance(cell, Number):
+                words = ", ".join(str(w) for w in row[:k] if isinstance(w, (str, int)) and w)
+                what = f"{table.columns[k]}: {words}"
+                rows[-1][k] = number(str(cell), repr(float(cell.value)), what, record)
     return {
         "title": table.title,
         "columns": list(table.columns),
-        "numeric": numeric,
+        "numeric": [
+            any(isinstance(row[k], (int, Number)) for row in table.rows)
+            for k in range(len(table.columns))
+        ],
         "rows": rows,
         "notes": list(table.notes),
     }
