@@ -29,16 +29,7 @@ def section(run: Material) -> Section | None:
         "cases": cases,
         "command": command,
     }
-    context = {
-        "cases": list(cases),
-        **{
-            key: list(dict.fromkeys(name for one in cases.values() for name in one[key]))
-            for key in ("families", "references")
-        },
-        "modes": list(run.plan.shown),
-        "printed": any(one["printed"] for one in cases.values()),
-        "sentences": [line for result in found for line in result.sentences()],
-    }
+    context = {"sentences": [line for result in found for line in result.sentences()]}
     return Section(KEY, TITLE, MENU, command, context, data)
 
 

@@ -66,10 +66,7 @@ def section(recorded: Recorded) -> Section:
         "cards": sorted(cards, key=lambda card: -card["place"])[:CARDS],
         "moved": len(cards),
         "card": list(CARD),
-        "cases": sorted({one["case"] for one in series}),
-        "series": len(series),
         "all_series": len(groups),
-        "named_runs": len(runs),
         "older": recorded.older,
         "runs": len(recorded.runs),
         "latest": [

@@ -101,8 +101,7 @@ def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str)
     about = KEY, "Workspace: frequencies over the poses", "Workspace", kept["command"]
     if not sets:
         return Section(*about, missing=f"`{kept['command']}` makes this section")
-    names = [one["name"] for one in sets]
-    context = {"sets": names, "sentences": kept["sentences"], "left": kept["left"]}
+    context = {"sentences": kept["sentences"], "left": kept["left"]}
     return Section(*about, context, sets)
 
 

@@ -125,13 +125,17 @@ def _html(sections: Sequence[Section], ledger: Ledger) -> str:
     )
     # Infinities and NaN are no JSON: better no page than one that does not open.
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
-    environment.filters["pairs"] = lambda names: [(name, name) for name in names]
+    environment.filters |= {
+        "pairs": lambda names: [(name, name) for name in names],
+        "numbered": lambda names: list(enumerate(names)),
+        "every": lambda ones, key: dict.fromkeys(name for one in ones for name in one[key]),
+    }
     known = environment.list_templates()
     parts = []
     for one in sections:
         own = f"{one.key}.html"
         template = environment.get_template(own if own in known else "study.html")
-        body = "" if one.missing else Markup(template.render(**one.context))
+        body = "" if one.missing else Markup(template.render(data=one.data, **one.context))
         parts.append({"section": one, "body": body})
     files = [f"{one.key}.js" for one in sections if not one.missing]
     scripts = [_source(environment, name) for name in ("page.js", *files) if name in known]

@@ -34,8 +34,6 @@ def section(run: Material) -> Section | None:
         return None
     part = run.part("shapes")
     context = {
-        "cases": list(data),
-        "models": list(dict.fromkeys(name for one in data.values() for name in one["models"])),
         "modes": max(run.plan.shown),
         "amplitude": AMPLITUDE,
         "sentences": part.sentences() if part else [],

@@ -64,9 +64,6 @@ def budget(run: Material) -> Section | None:
     found.sort(key=lambda one: one.reference != run.plan.solid)
     data = [_budget(run, one) for one in found]
     context = {
-        "cases": list(dict.fromkeys(name for one in data for name in one["cases"])),
-        "references": [one["reference"] for one in data],
-        "elements": list(dict.fromkeys(str(s) for one in data for s in one["elements"])),
         "sentences": [line for one in found for line in one.sentences()],
         "tables": [shown(one.table()) for one in found],
     }
@@ -111,13 +108,12 @@ def work(run: Material) -> Section | None:
     found = next(iter(run.of(WorkPrecision)), None)
     if found is None:
         return None
-    rows = [_point(run, found, point) for point in found.points]
-    kinds = list(found.kinds.values())
-    data = {"rows": rows, "kinds": kinds, "groups": list(GROUPS)}
+    data = {
+        "rows": [_point(run, found, point) for point in found.points],
+        "kinds": list(found.kinds.values()),
+        "groups": list(GROUPS),
+    }
     context = {
-        "theories": list(dict.fromkeys(row["theory"] for row in rows)),
-        "kinds": [[str(k), against] for k, against in enumerate(kinds)],
-        "groups": [[str(k), group] for k, group in enumerate(GROUPS)],
         "sentences": found.sentences(),
         "tables": [shown(table) for table in found.tables().values()],
         "cases": ", ".join(case.name for case in found.cases),

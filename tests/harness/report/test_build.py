@@ -16,7 +16,7 @@ from analytic import InputError, Mechanism
 from harness.cases import PRESETS
 from harness.history import store
 from harness.plan import Plan
-from harness.report import history, maps
+from harness.report import history, maps, recorded
 from harness.report.ledger import Ledger, variant
 from harness.report.page import content, load, load_check, page_files, render
 from harness.report.recorded import Recorded, read_recorded
@@ -68,7 +68,9 @@ def test_the_first_screen_answers(kept: Any) -> None:
     assert "3 of the 12 errors" in said["Where does the paper contradict itself?"]
     assert "0.098 %" in first["finding"][0]
     assert "1.35 to 1.91 % on f1-f3" in first["finding"][1]
-    assert {one["kind"]: one["count"] for one in first["verdicts"]} == dict.fromkeys(VERDICTS[:-1], 1)
+    assert {one["kind"]: one["count"] for one in first["verdicts"]} == dict.fromkeys(
+        VERDICTS[:-1], 1
+    )
     panels = first["fig3"]["panels"]
     assert [panel["title"] for panel in panels] == [
         "case1: level platform",
@@ -249,6 +251,19 @@ def test_of_too_many_series_the_newest_are_shown(
     assert len(series) == 20
     assert {f"m@{15 + k}" for k in range(15)} < {one["model"] for one in series}
     assert b"The newest 20 of 30 series." in render(load(made.results), tmp_path, None)
+
+
+def test_of_too_many_runs_the_newest_are_shown(
+    made: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorded, "MOST_POINTS", 2)
+    row = {"case": "case1", "mode": 1, "model": "m@3"}
+    for day in (1, 2, 3):
+        time = datetime(2026, 1, day, tzinfo=UTC)
+        store.append(tmp_path, [row | {"frequency_hz": float(day)}], "rps-bench table", time)
+    found = read_recorded(tmp_path)
+    assert [point["frequency_hz"] for point in found.points] == [2.0, 3.0]
+    assert b"The newest 2 of 3 runs." in render(load(made.results), tmp_path, None)
 
 
 def test_the_order_of_rows_says_nothing(tmp_path: Path) -> None:
