@@ -7,9 +7,10 @@ from harness import published
 from harness.bench import label
 from harness.report import pictures
 from harness.report.material import Material
-from harness.report.section import Json, Section
+from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
 from harness.studies.table import TableOne, against_print, causes
+from harness.tables import Table
 
 KEY = "result"
 SHOWN = ("kind", "model", "case", "mode", "quantity", "before", "after", "tolerance", "verdict",
@@ -69,19 +70,14 @@ def gate(check: dict[str, Any] | None) -> Json | None:
     findings = [one for one in check.get("findings", []) if isinstance(one, dict)]
     names = [n for n in SHOWN if any(one.get(n) not in (None, "") for one in findings)]
     status = str(check.get("status", "not said"))
-    table = {
-        "title": "Findings of the gate against what was accepted",
-        "columns": names,
-        "numeric": [False] * len(names),
-        "rows": [[_short(one.get(name)) for name in names] for one in findings],
-        "notes": [],
-    }
+    rows = tuple(tuple(_short(one.get(name)) for name in names) for one in findings)
+    table = Table("Findings of the gate against what was accepted", tuple(names), rows)
     return {
         "status": status,
         "good": status == "passed",
         "summary": str(check.get("summary", "")).removeprefix(f"{status}: "),
         "time": str(check.get("time", ""))[:16].replace("T", " "),
-        "table": table if findings else None,
+        "table": shown(table) if findings else None,
     }
 
 

@@ -4,6 +4,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from harness.cases import PRESETS
 from harness.report.ledger import at, in_words, variant
 from harness.report.recorded import ABOUT_RUN, Recorded, Rows
@@ -25,7 +27,7 @@ CARDS = 24
 """Series that moved shown at once, the newest."""
 CARD = (150.0, 44.0)
 """Width and height of a card's picture."""
-Given = dict[int, dict[int, float | None]]
+Given = dict[int, dict[int, float]]
 """Frequencies [Hz] by mode and the run's place."""
 
 
@@ -47,7 +49,9 @@ def section(recorded: Recorded) -> Section:
     for key in sorted(newest[:MOST_SERIES]):
         given: Given = defaultdict(dict)
         for row in groups[key]:
-            given[row["mode"]].setdefault(place[row["run"]], row["frequency_hz"])
+            found = given[row["mode"]]
+            if row["frequency_hz"] is not None:
+                found.setdefault(place[row["run"]], row["frequency_hz"])
         about = dict(zip(("case", "model", "variant"), key, strict=True))
         cards += _cards({"series": len(series), **about}, given, runs)
         series.append({**about, **_series(groups[key], given, place)})
@@ -132,11 +136,7 @@ def _series(rows: Rows, given: Given, place: dict[str, int]) -> Json:
 
 def _cards(about: Json, given: Given, runs: Rows) -> list[Json]:
     """Return a card if a frequency moved: when last, which most, by how much, a small picture."""
-    known = {
-        mode: {place: f for place, f in found.items() if f is not None}
-        for mode, found in given.items()
-    }
-    moves = {mode: _last_move(found) for mode, found in known.items()}
+    moves = {mode: _last_move(found) for mode, found in given.items()}
     mode = max(moves, key=lambda mode: (moves[mode][0], abs(moves[mode][1])))
     place, size = moves[mode]
     if place < 0:
@@ -147,7 +147,7 @@ def _cards(about: Json, given: Given, runs: Rows) -> list[Json]:
         "mode": mode,
         "change": f"{1e6 * size:+.3g} ppm" if abs(size) < 1e-4 else f"{100 * size:+.3g} %",
         "when": f"{runs[place]['time']:%Y-%m-%d %H:%M}",
-        "points": _spark(list(known[mode].values())),
+        "points": _spark(list(given[mode].values())),
     }]  # fmt: skip
 
 
@@ -161,17 +161,12 @@ def _last_move(found: dict[int, float]) -> tuple[int, float]:
     return -1, 0.0
 
 
-def _spark(values: Sequence[float]) -> list[list[float]]:
+def _spark(values: Sequence[float]) -> Any:
     """Return the points of a small picture: steps from run to run."""
     low, high = min(values), max(values)
-    wide, tall = CARD
-    points: list[list[float]] = []
-    for k, value in enumerate(values):
-        x = round(3 + (wide - 6) * k / max(1, len(values) - 1), 1)
-        y = round(4 + (tall - 8) * (high - value) / (high - low), 1)
-        points += [[x, points[-1][1]]] if points else []
-        points.append([x, y])
-    return points
+    x = np.linspace(3, CARD[0] - 3, len(values))
+    y = 4 + (CARD[1] - 8) * (high - np.array(values)) / (high - low)
+    return np.round(np.column_stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]]), 1).tolist()
 
 
 def _milliseconds(seconds: Sequence[float | None]) -> Any:

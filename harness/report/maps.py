@@ -1,7 +1,7 @@
 """The workspace: maps of every mode, one model against another, and what changed since."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,28 +22,6 @@ COLUMNS = ("z_m", "azimuth_rad", "tilt_rad", "mode", "frequency_hz")
 Pose = tuple[float, float, float]
 Answer = dict[int, dict[Pose, float]]
 """Frequencies [Hz] by mode and pose [mm, deg, deg]."""
-
-
-class Map(NamedTuple):
-    """What a model gave over many poses.
-
-    Attributes: `kind`, of a map or of the gate; `mechanism`, its hash; `run`; `when` it was, in
-    words; `model`; `version` of its program; `record`, where it comes from; `answer`.
-    """
-
-    kind: str
-    mechanism: str
-    run: str
-    when: str
-    model: str
-    version: str
-    record: int
-    answer: Answer
-
-    @property
-    def poses(self) -> frozenset[Pose]:
-        """The poses."""
-        return frozenset(pose for values in self.answer.values() for pose in values)
 
 
 def own(run: Material) -> Json | None:
@@ -84,36 +62,36 @@ def _about(row: Mapping[str, Any]) -> Fields:
 def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str) -> Section:
     """Return the section of this run's maps, as `own` kept them, and of recorded ones."""
     kept = kept or {"maps": [], "left": [], "command": command, "sentences": []}
-    maps = [
-        Map(MAP, one["mechanism"], OWN, OWN, one["model"], one["version"], one["record"],
-            _folded(dict(zip(COLUMNS, row, strict=True)) for row in one["rows"]))
-        for one in kept["maps"]
-    ]  # fmt: skip
+    maps: list[Json] = []
+    for one in kept["maps"]:
+        answer = _folded(dict(zip(COLUMNS, row, strict=True)) for row in one["rows"])
+        maps.append({**one, "kind": MAP, "run": OWN, "when": OWN, "answer": answer})
     runs = {row["run"]: row for row in recorded.runs}
     folded = {name: _folded(rows) for name, rows in recorded.answers.items()}
     left: dict[str, list[str]] = {}
     for row in recorded.maps:
-        if row["answer"] in folded:
-            maps.append(_recorded(row, folded[row["answer"]], runs[row["run"]], ledger))
-        else:
+        if row["answer"] not in folded:
             left.setdefault(row["case"], []).append(row["model"])
+            continue
+        run = runs[row["run"]]
+        model = ", ".join(filter(None, [row["model"], variant(row["settings"])]))
+        fields = {**_about(row), **environment(run), "Command": run["command"]}
+        maps.append(
+            {
+                **row,
+                "kind": row["case"],
+                "when": f"{run['time']:%Y-%m-%d %H:%M:%S}, {run['commit'][:7]}",
+                "model": model,
+                "record": ledger.add(f"{model} over the workspace", fields),
+                "answer": folded[row["answer"]],
+            }
+        )
     sets = _sets(maps, left)
     about = KEY, "Workspace: frequencies over the poses", "Workspace", kept["command"]
     if not sets:
         return Section(*about, missing=f"`{kept['command']}` makes this section")
     context = {"sentences": kept["sentences"], "left": kept["left"]}
     return Section(*about, context, sets)
-
-
-def _recorded(
-    row: Mapping[str, Any], answer: Answer, run: Mapping[str, Any], ledger: Ledger
-) -> Map:
-    model = ", ".join(filter(None, [row["model"], variant(row["settings"])]))
-    fields = {**_about(row), **environment(run), "Command": run["command"]}
-    record = ledger.add(f"{model} over the workspace", fields)
-    when = f"{run['time']:%Y-%m-%d %H:%M:%S}, {run['commit'][:7]}"
-    return Map(row["case"], row["mechanism"], row["run"], when, model, row["version"], record,
-               answer)  # fmt: skip
 
 
 def _folded(rows: Iterable[Mapping[str, Any]]) -> Answer:
@@ -130,42 +108,47 @@ def _folded(rows: Iterable[Mapping[str, Any]]) -> Answer:
     return found
 
 
-def _sets(maps: Sequence[Map], left: Mapping[str, list[str]]) -> list[Json]:
-    """Return what can be compared: maps of a mechanism over the same poses, the newest first."""
-    groups: dict[tuple[str, str, frozenset[Pose]], list[Map]] = {}
+def _sets(maps: Sequence[Json], left: Mapping[str, list[str]]) -> list[Json]:
+    """Return what can be compared: maps of a mechanism over the same poses, the newest first.
+
+    A map: `kind`, of a map or of the gate; `mechanism`, its hash; `run`; `when` it was, in words;
+    `model`; `version` of its program; `record`, where it comes from; `answer`.
+    """
+    groups: dict[tuple[str, str, frozenset[Pose]], list[Json]] = {}
     for one in maps:
-        groups.setdefault((one.kind, one.mechanism, one.poses), []).append(one)
+        poses = frozenset(pose for found in one["answer"].values() for pose in found)
+        groups.setdefault((one["kind"], one["mechanism"], poses), []).append(one)
     sets: dict[str, Json] = {}
     for (kind, mechanism, where), group in groups.items():
-        poses = sorted(where)
-        ends = dict.fromkeys(f"{pose[0]:.0f}" for pose in (poses[0], poses[-1]))
-        name = f"{len(poses):,} poses, {' to '.join(ends)} mm"
+        ordered = sorted(where)
+        ends = dict.fromkeys(f"{pose[0]:.0f}" for pose in (ordered[0], ordered[-1]))
+        name = f"{len(ordered):,} poses, {' to '.join(ends)} mm"
         if kind == GATE:
             name = "the gate's poses"
         if name in sets:
-            name += f" (mechanism {mechanism}, {group[0].model}, {group[0].when})"
+            name += f" (mechanism {mechanism}, {group[0]['model']}, {group[0]['when']})"
         none = left.get(kind, [])
         models = ", ".join(sorted(set(none)))
         note = f"Recorded, but no room on the page: {len(none)} more, of {models}."
-        sets[name] = {"name": name, "note": note if none else "", **_set(group, poses)}
+        sets[name] = {"name": name, "note": note if none else "", **_set(group, ordered)}
     return list(sets.values())
 
 
-def _set(maps: Sequence[Map], poses: list[Pose]) -> Json:
+def _set(maps: Sequence[Json], poses: list[Pose]) -> Json:
     """Return maps over `poses` as the page takes them: equal answers once."""
     grids: list[NDArray[np.float64]] = []
     runs: dict[str, Json] = {}
-    alone = len({one.model for one in maps}) == 1
+    alone = len({one["model"] for one in maps}) == 1
     for one in maps:
         grid = np.array([
-            [one.answer.get(mode, {}).get(pose, np.nan) for pose in poses]
-            for mode in range(1, max(one.answer) + 1)
+            [one["answer"].get(mode, {}).get(pose, np.nan) for pose in poses]
+            for mode in range(1, max(one["answer"]) + 1)
         ])  # fmt: skip
         same = (k for k, known in enumerate(grids) if np.array_equal(grid, known, equal_nan=True))
         place = next(same, len(grids))
         grids += [grid] if place == len(grids) else []
-        told = alone or one.kind == GATE or one.run == OWN
-        name = one.when if told else f"{one.when}, {one.model}"
-        about = {"values": place, "version": one.version, "record": one.record}
-        runs.setdefault(one.run, {"name": name, "models": {}})["models"][one.model] = about
+        told = alone or one["kind"] == GATE or one["run"] == OWN
+        name = one["when"] if told else f"{one['when']}, {one['model']}"
+        about = {"values": place, "version": one["version"], "record": one["record"]}
+        runs.setdefault(one["run"], {"name": name, "models": {}})["models"][one["model"]] = about
     return {"poses": poses, "runs": list(runs.values()), "values": digits(grids)}
