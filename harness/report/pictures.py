@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +20,6 @@ PANEL = {"width": 380.0, "height": 300.0, "left": 34.0, "right": 130.0, "top": 2
 """Size and margins of a panel of Fig. 3."""
 LINE = 15.0
 """Height of a label: closer ones are one."""
-TICKS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
 PANELS = 2
 
 
@@ -76,10 +74,20 @@ def fig3(data: Json) -> Json | None:
 
 def _panel(data: Json, title: str, shown: Array) -> Json:
     """Return a panel of errors, (elements + 1, modes) [%], whose last row is the floor."""
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
     steps = data["elements"]
     known = shown[np.isfinite(shown)]
-    logarithmic = bool((known > 0).all() and known.max() > 3 * known.min())
-    low, high = (0.8 * known.min(), 1.25 * known.max()) if logarithmic else _span(known)
+    low, high = known.min(), known.max()
+    logarithmic = low > 0 and high > 3 * low
+    if logarithmic:
+        low, high = 0.8 * low, 1.25 * high
+        ticks = LogLocator(subs=(1, 2, 5)).tick_values(low, high)
+    else:
+        low, high = min(0.0, low), max(0.0, high)
+        room = 0.08 * (high - low) or 1.0
+        low, high = low - room * (low < 0), high + room
+        ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(low, high)
     inner = PANEL["width"] - PANEL["left"] - PANEL["right"]
     tall = PANEL["height"] - PANEL["top"] - PANEL["bottom"]
 
@@ -97,13 +105,12 @@ def _panel(data: Json, title: str, shown: Array) -> Json:
             points = [[across(k), down(v)] for k, v in finite]
             own = down(floor) if np.isfinite(floor) else None
             lines.append({"mode": mode, "points": points, "floor": own, "last": finite[-1][1]})
-    ticks = [t for t in TICKS if low <= t <= high] if logarithmic else _steps(low, high)
     return {
         "title": title,
         "lines": lines,
         "labels": _labels(lines),
         "across": [[across(k), s] for k, s in enumerate(steps)],
-        "down": [[down(t), f"{t:g}"] for t in ticks],
+        "down": [[down(t), f"{t:g}"] for t in ticks if low <= t <= high],
     }
 
 
@@ -131,16 +138,3 @@ def _name(modes: Sequence[int]) -> str:
     if len(modes) > 2 and modes[-1] - modes[0] == len(modes) - 1:
         return f"e{modes[0]}-e{modes[-1]}"
     return ", ".join(f"e{mode}" for mode in modes)
-
-
-def _span(known: Array) -> tuple[Any, Any]:
-    low, high = min(0.0, known.min()), max(0.0, known.max())
-    room = 0.08 * (high - low) or 1.0
-    return low - room * (low < 0), high + room
-
-
-def _steps(low: float, high: float) -> list[float]:
-    rough = (high - low) / 5
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = min((n * power for n in (1, 2, 5, 10) if n * power >= rough), default=rough)
-    return [round(k * step, 12) for k in range(math.ceil(low / step), math.floor(high / step) + 1)]
