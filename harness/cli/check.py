@@ -1,7 +1,7 @@
 """`rps-bench check`: the gate. What moved since the accepted figures, and what must always hold."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from harness.gate.timing_watch import Timing
 
 BASELINE = "results/accepted/baseline"
-STEM = "check"
-SUFFIXES = {"json": "json", "markdown": "md", "junit": "xml"}
+FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
+"""What --output writes, by the option that writes it elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,8 @@ def check(
     none: symmetries, units, limits, agreement. `rps-bench accept` takes what was found.
     """
     from harness.bench import Bench
+    from harness.gate.report import FORMS
+    from harness.output import write_all
 
     if compare is not None:
         from analytic import InputError
@@ -79,7 +81,7 @@ def check(
     with Bar() as bar, Bench(time_limit, bar) as bench:
         report, _ = looked(asked, bench, history)
     for form, path in targets:
-        _write(report, form, path)
+        write_all(path.parent, {path.name: FORMS[form](report)})
     display(report)
     for _, path in targets:
         click.echo(f"wrote {path}")
@@ -101,6 +103,7 @@ def asks(
     from analytic import InputError
     from harness.gate.files import load
     from harness.gate.plan import standard
+    from harness.output import check_folder
     from harness.presets import PAPER_CASES
     from harness.text import chosen, split
 
@@ -109,7 +112,7 @@ def asks(
         expected = "a folder for the figures of your own cases, or none"
         raise InputError("baseline", baseline, expected)
     text = BASELINE if baseline is None else baseline
-    folder = None if text == "none" else _folder(text)
+    folder = None if text == "none" else check_folder(text, "baseline")
     known = None if folder is None else load(folder)
     if known is None and folder is not None and not new:
         expected = "a folder of accepted figures (rps-bench accept makes one), or none"
@@ -118,19 +121,18 @@ def asks(
     return Asked(standard(cases, names, quick=quick), folder, known)
 
 
-def _folder(text: str) -> Path:
-    from harness.output import check_folder
-
-    return check_folder(text, "baseline")
-
-
 def looked(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report", "Checked"]:
     """Solve and compare; this run is in the history that its seconds are compared with."""
     from harness.gate import gate
     from harness.gate.plan import solve
     from harness.history.provenance import provenance
 
-    about, began, time = provenance(), perf_counter(), gate.now()
+    began = perf_counter()
+    said = {
+        "command": flags.as_typed(),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+        **provenance(),
+    }
     checked = solve(asked.plan, bench)
     timed: list[Timing] = []
     notes: list[str] = []
@@ -138,22 +140,19 @@ def looked(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report"
         from harness.history.store import append
 
         append(history, checked.rows, flags.as_typed())
-        timed, notes = gate.watched(history, checked, asked.baseline, str(about["machine"]))
-    said = {"command": flags.as_typed(), "time": time, **about}
+        timed, notes = gate.watched(history, checked, asked.baseline, str(said["machine"]))
     report = gate.look(checked, bench, asked.baseline, timed, said, notes)
-    return report.timed(perf_counter() - began), checked
+    seconds = round(perf_counter() - began, 1)
+    return replace(report, about={**report.about, "seconds": seconds}), checked
 
 
 def display(report: "Report") -> None:
     """Print how much was compared, what moved, and the outcome."""
-    from harness.gate.report import findings_table, summary_table
-
-    show_tables(summary_table(report))
-    if report.findings:
-        show_tables(findings_table(report))
-    for note in report.notes:
-        click.echo(note)
-    click.echo(report.sentences()[0])
+    tables = report.tables()
+    show_tables(*(tables[ending] for ending in ("", "-findings") if ending in tables))
+    outcome, *notes = report.sentences()
+    for line in (*notes, outcome):
+        click.echo(line)
 
 
 def _compare(text: str, models: str | None, output: Path | None, limit: float) -> int:
@@ -175,20 +174,11 @@ def _compare(text: str, models: str | None, output: Path | None, limit: float) -
     return 0
 
 
-def _targets(output: Path | None, files: dict[str, str | None]) -> Sequence[tuple[str, Path]]:
+def _targets(output: Path | None, files: dict[str, str | None]) -> list[tuple[str, Path]]:
     """Return form and path of every file to write."""
     from harness.output import check_file
 
-    found = [] if output is None else [
-        (form, output / f"{STEM}.{suffix}") for form, suffix in SUFFIXES.items()
-    ]  # fmt: skip
+    found = [] if output is None else [(form, output / name) for form, name in FILES.items()]
     return found + [
         (form, check_file(text, form)) for form, text in files.items() if text is not None
     ]
-
-
-def _write(report: "Report", form: str, path: Path) -> None:
-    from harness.gate.report import FORMS
-    from harness.output import write_all
-
-    write_all(path.parent, {path.name: FORMS[form](report)})

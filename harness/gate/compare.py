@@ -1,6 +1,7 @@
 """What moved since the baseline: frequencies, modes, orders, versions and seconds, by name."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -36,16 +37,25 @@ class Finding:
     case: str
     mode: int | None
     quantity: str
-    before: float | str | None
-    after: float | str | None
-    tolerance: float | None
-    verdict: str
+    before: float | str | None = None
+    after: float | str | None = None
+    tolerance: float | None = None
+    verdict: str = FAILED
     cause: str = ""
 
     @property
     def fails(self) -> bool:
         """Whether it makes the check fail."""
         return self.verdict in (FAILED, BETTER)
+
+    @property
+    def moved(self) -> float | None:
+        """The change: relative for frequencies and seconds, else the difference."""
+        if not (isinstance(self.before, float) and isinstance(self.after, float)):
+            return None
+        if self.kind in ("frequency", "uncertainty", "timing") and self.before:
+            return self.after / self.before - 1
+        return self.after - self.before
 
     def record(self) -> dict[str, Any]:
         """Return the finding as JSON has it."""
@@ -59,182 +69,136 @@ KINDS = ("frequency", "uncertainty", "shape", "mode count", "order", "missing", 
 
 def compare(baseline: Baseline, now: Measured, checked: Checked) -> list[Finding]:
     """Return what of `now` differs from the baseline by more than its tolerance, and notes."""
-    causes = _causes(baseline.figures, now)
-    findings = _sources(baseline.figures, now) + _missing(baseline.figures, now, checked)
+    before = baseline.figures
+    causes = {
+        model: f"{old.version} -> {new.version}"
+        for model, new in now.sources.items()
+        if (old := before.sources.get(model)) and old.version != new.version
+    }
+    findings = [*_sources(before, now), *_missing(before, now, checked)]
     spoiled: set[Place] = set()
-    for place in now.counts:
-        if place in baseline.figures.counts:
-            lost = _count(baseline, now, place)
-            findings += lost
-            if lost:
-                spoiled.add(place)
-    for key, one in now.modes.items():
-        case, model, mode = key
-        old = baseline.figures.modes.get(key)
+    for place in (one for one in now.counts if one in before.counts):
+        lost = _count(before, now, place)
+        findings += lost
         # Where a mode is missing the numbers above it mean something else.
-        if old is None or (case, model) in spoiled:
+        spoiled |= {place} if lost else set()
+    for key, new in now.modes.items():
+        case, model, mode = key
+        was = before.modes.get(key)
+        if was is None or (case, model) in spoiled:
             continue
-        cause = causes.get(model, "")
-        if not relative(one.frequency, old.frequency) <= baseline.allowed(key):
-            better = _closer(baseline.figures, now, key)
+        cause, allowed = causes.get(model, ""), baseline.allowed(key)
+        if not relative(new.frequency, was.frequency) <= allowed:
+            verdict = BETTER if _closer(before, now, key) else FAILED
+            findings.append(Finding("frequency", model, case, mode, "f [Hz]", was.frequency,
+                                    new.frequency, allowed, verdict, cause))  # fmt: skip
+        assert new.likeness is not None, "measured just now"
+        like = float(new.likeness[was.partner - 1])
+        if not like >= was.assurance - SHAPE:
+            looks = f"looks like mode {new.partner} (assurance {new.assurance:.3f})"
             findings.append(
-                Finding("frequency", model, case, mode, "f [Hz]", old.frequency, one.frequency,
-                        baseline.allowed(key), BETTER if better else FAILED, cause)
-            )  # fmt: skip
-        assert one.likeness is not None, "measured just now"
-        like = float(one.likeness[old.partner - 1])
-        if not like >= old.assurance - SHAPE:
-            quantity = f"likeness with mode {old.partner} of the anchor"
-            looks = f"looks like mode {one.partner} (assurance {one.assurance:.3f})"
-            findings.append(
-                Finding("shape", model, case, mode, quantity, old.assurance, like, SHAPE, FAILED,
+                Finding("shape", model, case, mode, f"likeness with mode {was.partner} of the "
+                        "anchor", was.assurance, like, SHAPE, FAILED,
                         "; ".join(filter(None, (looks, cause))))
             )  # fmt: skip
-    findings += _uncertainties(baseline, now, spoiled, causes)
-    return findings + _orders(baseline, now, spoiled, causes)
+    for key, stated in before.uncertainties.items():
+        case, model, mode = key
+        if key not in now.modes or (case, model) in spoiled:
+            continue
+        band, allowed = now.uncertainties.get(key), baseline.uncertainty_tolerance(key)
+        if band is None or not relative(band, stated) <= allowed:
+            findings.append(
+                Finding("uncertainty", model, case, mode, "stated uncertainty [Hz]", stated, band,
+                        allowed, FAILED, causes.get(model, ""))
+            )  # fmt: skip
+    for key, order in before.orders.items():
+        case, model, mode = key
+        labels = order.labels(model)
+        if any((case, x, mode) not in now.modes or (case, x) in spoiled for x in labels):
+            continue
+        p = now.orders[key].p if key in now.orders else None
+        allowed = baseline.order_tolerance(key)
+        if p is None or not abs(p - order.p) <= allowed:
+            better = p is not None and abs(p - order.formal) < abs(order.p - order.formal)
+            quantity = f"order on {', '.join(map(str, order.elements))}"
+            findings.append(
+                Finding("order", model, case, mode, quantity, order.p, p, allowed,
+                        BETTER if better else FAILED, causes.get(labels[-1], ""))
+            )  # fmt: skip
+    return findings
 
 
-def _missing(before: Measured, now: Measured, checked: Checked) -> list[Finding]:
-    """Return every accepted model and pose without figures, unless less was asked for."""
+def _missing(before: Measured, now: Measured, checked: Checked) -> Iterator[Finding]:
+    """Yield every accepted model and pose without figures, unless less was asked for."""
     failed = {(case.name, label(m)) for study in checked.studies for case, m in study.failures}
-    skipped, findings = checked.plan.skipped, []
     for case, model in before.places:
         if (case, model) in now.places or (case, model) in failed:
             continue
         why = "no model has this name"
-        try:
-            name = parse(model, "baseline").name
-        except InputError:
-            pass
-        else:
-            why = skipped.get(name, "not in the study any more")
-            if name in skipped:
+        with suppress(InputError):
+            if parse(model, "baseline").name in checked.plan.skipped:
                 continue
-        findings.append(
-            Finding("missing", model, case, None, "accepted figures", "accepted", "not measured",
-                    None, FAILED, why)
-        )  # fmt: skip
-    return findings
+            why = "not in the study any more"
+        yield Finding("missing", model, case, None, "accepted figures", "accepted", "not measured",
+                      cause=why)  # fmt: skip
 
 
-def _count(baseline: Baseline, now: Measured, place: Place) -> list[Finding]:
+def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:
     """Return the modes that are missing, or one finding for modes that were not there."""
     case, model = place
-    old, new = baseline.figures.counts[place], now.counts[place]
-    assert new.spectrum is not None, "measured just now"
-    number = int((new.spectrum < old.cut).sum())
+    old, spectrum = before.counts[place], now.counts[place].spectrum
+    assert spectrum is not None, "measured just now"
+    number = int((spectrum < old.cut).sum())
     if number == old.number:
         return []
-    quantity = f"modes below {old.cut:.6g} Hz"
     missing: list[int | None] = []
     if number < old.number:
         found = now.found[place]
         for mode in range(1, len(found) + 1):
-            shaped = baseline.figures.modes.get((case, model, mode))
-            known = shaped and shaped.assurance >= TRUSTED and shaped.partner <= len(found)
-            if shaped and known and found[shaped.partner - 1] < TRUSTED:
-                missing.append(mode)
+            one = before.modes.get((case, model, mode))
+            if one and one.assurance >= TRUSTED and one.partner <= len(found):
+                missing += [mode] if found[one.partner - 1] < TRUSTED else []
     said = "mode lost" if number < old.number else "more modes than before"
     return [
-        Finding("mode count", model, case, mode, quantity, float(old.number), float(number), 0.0,
-                FAILED, said)
+        Finding("mode count", model, case, mode, f"modes below {old.cut:.6g} Hz",
+                float(old.number), float(number), 0.0, FAILED, said)
         for mode in missing or [None]
     ]  # fmt: skip
-
-
-def _uncertainties(
-    baseline: Baseline, now: Measured, spoiled: set[Place], causes: Mapping[str, str]
-) -> list[Finding]:
-    findings = []
-    for key, old in baseline.figures.uncertainties.items():
-        case, model, mode = key
-        if key not in now.modes or (case, model) in spoiled:
-            continue
-        new, allowed = now.uncertainties.get(key), baseline.uncertainty_tolerance(key)
-        if new is None or not relative(new, old) <= allowed:
-            findings.append(
-                Finding("uncertainty", model, case, mode, "stated uncertainty [Hz]", old, new,
-                        allowed, FAILED, causes.get(model, ""))
-            )  # fmt: skip
-    return findings
-
-
-def _orders(
-    baseline: Baseline, now: Measured, spoiled: set[Place], causes: Mapping[str, str]
-) -> list[Finding]:
-    findings = []
-    for key, old in baseline.figures.orders.items():
-        case, name, mode = key
-        new = now.orders.get(key)
-        measured = all((case, one, mode) in now.modes for one in old.labels)
-        if not measured or any((case, one) in spoiled for one in old.labels):
-            continue
-        allowed = baseline.order_tolerance(key)
-        if new is None or not abs(new.p - old.p) <= allowed:
-            better = new is not None and abs(new.p - old.formal) < abs(old.p - old.formal)
-            findings.append(
-                Finding("order", name, case, mode, f"order on {', '.join(map(str, old.elements))}",
-                        old.p, None if new is None else new.p, allowed,
-                        BETTER if better else FAILED, causes.get(old.labels[-1], ""))
-            )  # fmt: skip
-    return findings
 
 
 def _closer(before: Measured, now: Measured, key: Key) -> bool:
     """Return whether a frequency came closer to the exact limit of its model's theory."""
     case, model, _ = key
-    exact = now.limits.get(model)
     old, new = before.modes[key], now.modes[key]
-    limits = [
-        one.frequency
-        for (where, other, _), one in before.modes.items()
-        if (where, other) == (case, exact) and one.partner == old.partner
-    ]
-    if not limits:
-        return False
-    return abs(new.frequency - limits[0]) < abs(old.frequency - limits[0])
+    for (where, other, _), one in before.modes.items():
+        if (where, other, one.partner) == (case, now.limits.get(model), old.partner):
+            return abs(new.frequency - one.frequency) < abs(old.frequency - one.frequency)
+    return False
 
 
-def _causes(before: Measured, now: Measured) -> dict[str, str]:
-    return {
-        model: f"{old.version} -> {new.version}"
-        for model, new in now.sources.items()
-        if (old := before.sources.get(model)) and old.version != new.version
-    }
-
-
-def _sources(before: Measured, now: Measured) -> list[Finding]:
-    """Return other versions, theories and mechanisms, and models that are new."""
-    findings = []
+def _sources(before: Measured, now: Measured) -> Iterator[Finding]:
+    """Yield other versions, theories and mechanisms, and models that are new."""
     for model, new in now.sources.items():
         old = before.sources.get(model)
         if old is None:
-            findings.append(
-                Finding("source", model, "", None, "model", None, new.version, None, NOTED,
-                        "not in the baseline: rps-bench accept adds it")
-            )  # fmt: skip
+            yield Finding("source", model, "", None, "model", None, new.version, None, NOTED,
+                          "not in the baseline: rps-bench accept adds it")  # fmt: skip
             continue
-        for quantity, was, is_now, verdict in (
-            ("version", old.version, new.version, NOTED),
-            ("theory", old.theory, new.theory, FAILED),
-        ):
-            if was != is_now:
-                findings.append(
-                    Finding("source", model, "", None, quantity, was, is_now, None, verdict)
-                )
+        for quantity, verdict in (("version", NOTED), ("theory", FAILED)):
+            was, now_is = getattr(old, quantity), getattr(new, quantity)
+            if was != now_is:
+                yield Finding("source", model, "", None, quantity, was, now_is, None, verdict)
     for case, mechanism in now.mechanisms.items():
-        if before.mechanisms.get(case, mechanism) != mechanism:
-            findings.append(
-                Finding("source", "", case, None, "mechanism", before.mechanisms[case], mechanism,
-                        None, FAILED, "another mechanism, not another answer")
-            )  # fmt: skip
-    return findings
+        was = before.mechanisms.get(case, mechanism)
+        if was != mechanism:
+            yield Finding("source", "", case, None, "mechanism", was, mechanism,
+                          cause="another mechanism, not another answer")  # fmt: skip
 
 
 def failures(checked: Checked) -> list[Finding]:
     """Return models that failed at a pose, and those that cannot run here."""
     gone = [
-        Finding("source", model, "", None, "model", None, None, None, NOTED, f"not run: {why}")
+        Finding("source", model, "", None, "model", verdict=NOTED, cause=f"not run: {why}")
         for model, why in checked.plan.skipped.items()
         if why != NOT_ASKED
     ]
@@ -244,7 +208,7 @@ def failures(checked: Checked) -> list[Finding]:
         for (case, model), why in study.failures.items()
     } | {(GATE, label(model)): why for model, why in checked.failures.items()}
     return gone + [
-        Finding("failure", model, case, None, "answer", None, None, None, FAILED, why)
+        Finding("failure", model, case, None, "answer", cause=why)
         for (case, model), why in failed.items()
     ]
 
@@ -260,26 +224,28 @@ def broken(properties: Sequence[Property]) -> list[Finding]:
 
 def slower(found: Sequence[Timing]) -> list[Finding]:
     """Return models whose seconds changed by more than their noise; faster ones are noted."""
-    findings = []
-    for one in found:
+    return [
+        Finding("timing", one.model, "", None,
+                f"seconds of the last {change.window} runs against those before", 1.0,
+                factor, change.noise, verdict, f"since {one.since:%Y-%m-%d %H:%M}")
+        for one in found
         for change, verdict, factor in (
             (one.slower, FAILED, one.slower.factor),
             (one.faster, NOTED, 1 / one.faster.factor),
-        ):
-            if change.happened:
-                findings.append(
-                    Finding("timing", one.model, "", None,
-                            f"seconds of the last {change.window} runs against those before", 1.0,
-                            factor, change.noise, verdict, f"since {one.since:%Y-%m-%d %H:%M}")
-                )  # fmt: skip
-    return findings
+        )
+        if change.happened
+    ]  # fmt: skip
 
 
 def condense(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     """Return what a table shows: of the map's poses each model's worst, and how many it is of.
 
-    Worst: the largest change over its tolerance.
+    Worst: the largest change over its tolerance; what has no such change is worst of all.
     """
+
+    def excess(one: Finding) -> float:
+        return abs(one.moved) / one.tolerance if one.moved is not None and one.tolerance else np.inf
+
     shown: list[tuple[Finding, int]] = []
     groups: dict[tuple[str, str, str], list[Finding]] = {}
     for one in findings:
@@ -288,20 +254,3 @@ def condense(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
         else:
             shown.append((one, 1))
     return shown + [(max(some, key=excess), len(some)) for some in groups.values()]
-
-
-def excess(one: Finding) -> float:
-    """Return a finding's change over its tolerance; infinite where that has no meaning."""
-    change = moved(one)
-    if change is None or not one.tolerance:
-        return float(np.inf)
-    return abs(change) / one.tolerance
-
-
-def moved(one: Finding) -> float | None:
-    """Return the change: relative for frequencies and seconds, else the difference."""
-    if not (isinstance(one.before, float) and isinstance(one.after, float)):
-        return None
-    if one.kind in ("frequency", "uncertainty", "timing") and one.before:
-        return one.after / one.before - 1
-    return one.after - one.before

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Material, Mechanism, Platform, Pose
+from analytic import Material, Mechanism, Pose
 from analytic.mechanism import Vector
 from analytic.model import Model
 from harness.bench import SPARE, Bench
 from harness.workers import Failure
 
+Floats = NDArray[np.float64]
 Changed = tuple[Mechanism, Pose]
 Change = Callable[[Mechanism, Pose], Changed]
 
@@ -35,60 +36,42 @@ def renumbered(mechanism: Mechanism, pose: Pose) -> Changed:
     return replace(mechanism, limbs=(*others, first)), pose
 
 
-def turned(angle: float) -> Change:
-    """Return the change to axes turned by -`angle` [rad] about z: mechanism and azimuth turn."""
+def restated(
+    angle: float = 0.0, length: float = 1.0, mass: float = 1.0, time: float = 1.0
+) -> Change:
+    """Return the change to axes turned by -`angle` [rad] about z, and to other units.
+
+    The units are 1 / `length` m, 1 / `mass` kg and `time` s. E [kg / m s^2] and rho [kg / m^3]
+    change with all three, the platform with mass and length.
+    """
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
-    def about_z(vector: Vector) -> Vector:
-        return _vector(R @ np.array(vector))
+    def vector(values: Any) -> Vector:
+        x, y, z = (R @ np.array(values)).tolist()
+        return x, y, z
+
+    def steel(m: Material) -> Material:
+        modulus = mass * time**2 / length
+        return Material(m.young * modulus, m.shear * modulus, m.density * mass / length**3)
 
     def change(mechanism: Mechanism, pose: Pose) -> Changed:
         limbs = tuple(
             replace(
                 limb,
-                base=about_z(limb.base),
-                axis=about_z(limb.axis),
-                platform_point=about_z(limb.platform_point),
-            )
-            for limb in mechanism.limbs
-        )
-        inertia = R @ np.array(mechanism.platform.inertia) @ R.T
-        platform = _with_inertia(mechanism.platform, (inertia + inertia.T) / 2)
-        same = replace(mechanism, limbs=limbs, platform=platform)
-        return same, replace(pose, azimuth=pose.azimuth + angle)
-
-    return change
-
-
-def in_units(length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Change:
-    """Return the change to units of 1 / `length` m, 1 / `mass` kg and `time` s.
-
-    E [kg / m s^2] and rho [kg / m^3] change with all three, the platform with mass and length.
-    """
-
-    def change(mechanism: Mechanism, pose: Pose) -> Changed:
-        def moved(point: Vector) -> Vector:
-            return _vector(length * np.array(point))
-
-        def steel(m: Material) -> Material:
-            modulus = mass * time**2 / length
-            return Material(m.young * modulus, m.shear * modulus, m.density * mass / length**3)
-
-        limbs = tuple(
-            replace(
-                limb,
-                base=moved(limb.base),
-                platform_point=moved(limb.platform_point),
+                base=vector(length * np.array(limb.base)),
+                axis=vector(limb.axis),
+                platform_point=vector(length * np.array(limb.platform_point)),
                 rod=replace(limb.rod, diameter=length * limb.rod.diameter),
             )
             for limb in mechanism.limbs
         )
         body = mechanism.platform
-        inertia = mass * length**2 * np.array(body.inertia)
-        platform = replace(_with_inertia(body, inertia), mass=mass * body.mass)
-        scaled, _ = with_material(steel)(replace(mechanism, limbs=limbs, platform=platform), pose)
-        return scaled, replace(pose, z=length * pose.z)
+        inertia = mass * length**2 * (R @ np.array(body.inertia) @ R.T)
+        x, y, z = (tuple(row) for row in ((inertia + inertia.T) / 2).tolist())
+        platform = replace(body, inertia=(x, y, z), mass=mass * body.mass)
+        said, _ = with_material(steel)(replace(mechanism, limbs=limbs, platform=platform), pose)
+        return said, replace(pose, z=length * pose.z, azimuth=pose.azimuth + angle)
 
     return change
 
@@ -108,15 +91,15 @@ def with_material(change: Callable[[Material], Material]) -> Change:
 
 EQUIVALENTS = (
     Equivalent("limbs renumbered", renumbered),
-    Equivalent("axes turned by 57.3 deg", turned(1.0)),
-    Equivalent("axes turned by -131.8 deg", turned(-2.3)),
+    Equivalent("axes turned by 57.3 deg", restated(angle=1.0)),
+    Equivalent("axes turned by -131.8 deg", restated(angle=-2.3)),
     # Not a power of two: every digit changes, also those that a program prints.
-    Equivalent("time unit 1.7 s", in_units(time=1.7), 1.7),
+    Equivalent("time unit 1.7 s", restated(time=1.7), 1.7),
 )
 UNITS = (
     *EQUIVALENTS,
-    Equivalent("mass unit 1/0.3 kg", in_units(mass=0.3)),
-    Equivalent("lengths in mm", in_units(length=1000.0)),
+    Equivalent("mass unit 1/0.3 kg", restated(mass=0.3)),
+    Equivalent("lengths in mm", restated(length=1000.0)),
 )
 
 
@@ -125,23 +108,21 @@ def noise(
     model: Model,
     mechanism: Mechanism,
     pose: Pose,
-    frequencies: NDArray[np.float64],
+    f: Floats,
     equivalents: Sequence[Equivalent] = EQUIVALENTS,
-) -> NDArray[np.float64]:
-    """Return the largest relative deviation of each of `frequencies` (m,) among `equivalents`.
+) -> Floats:
+    """Return the largest relative deviation among `equivalents` of a model's own `f` (m,).
 
-    `frequencies` are the model's own at this pose. Infinite where the model fails at one of them.
+    Infinite where the model fails at one of them.
     """
-    found = np.zeros(len(frequencies))
-    for equivalent in equivalents:
-        again = answer(bench, model, *equivalent.change(mechanism, pose), len(frequencies))
-        if again is None:
-            return np.full(len(frequencies), np.inf)
-        found = np.maximum(found, relative(again / equivalent.factor, frequencies))
-    return found
+    again = [
+        answer(bench, model, *one.change(mechanism, pose), len(f)) / one.factor
+        for one in equivalents
+    ]
+    return np.asarray(relative(again, f).max(axis=0))
 
 
-def relative(value: Any, against: Any) -> NDArray[np.float64]:
+def relative(value: Any, against: Any) -> Floats:
     """Return |value / against - 1|; of two zeros, the frequencies of one free motion, 0."""
     a, b = np.broadcast_arrays(np.asarray(value, dtype=float), np.asarray(against, dtype=float))
     off = np.where(a == b, 0.0, np.inf)
@@ -149,19 +130,7 @@ def relative(value: Any, against: Any) -> NDArray[np.float64]:
     return off
 
 
-def answer(
-    bench: Bench, model: Model, mechanism: Mechanism, pose: Pose, count: int
-) -> NDArray[np.float64] | None:
-    """Return the `count` lowest frequencies [Hz], or None where the model fails."""
+def answer(bench: Bench, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Floats:
+    """Return the `count` lowest frequencies [Hz]; infinite where the model fails."""
     modes = bench.solve(model, mechanism, pose, count + SPARE)
-    return None if isinstance(modes, Failure) else modes.frequencies[:count]
-
-
-def _with_inertia(body: Platform, inertia: NDArray[np.float64]) -> Platform:
-    x, y, z = (_vector(row) for row in inertia)
-    return replace(body, inertia=(x, y, z))
-
-
-def _vector(values: NDArray[np.float64]) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
+    return np.full(count, np.inf) if isinstance(modes, Failure) else modes.frequencies[:count]

@@ -7,18 +7,16 @@ import csv
 import io
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import astuple, fields
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypeVar
 
 from analytic import InputError
-from harness.bench import label
-from harness.gate.measured import Count, Key, Measured, Order, Shaped, Source, followed
+from harness.gate.measured import Count, Key, Measured, Order, Shaped, Source
 from harness.gate.ratchet import Baseline, Reason
 from harness.output import write_all
-from reference_models import Named
 
-EXPECTED = "a folder written by rps-bench accept"
 HEADERS = {
     "frequencies.csv": ("case", "model", "mode", "frequency_hz", "partner", "assurance"),
     "uncertainties.csv": ("case", "model", "mode", "uncertainty_hz"),
@@ -37,44 +35,33 @@ T = TypeVar("T")
 def save(folder: Path, baseline: Baseline) -> list[Path]:
     """Write the baseline into `folder`, all files or none."""
     now = baseline.figures
-    rows: dict[str, Sequence[Sequence[Any]]] = {
-        "frequencies.csv": [
-            (*key, repr(one.frequency), one.partner, f"{one.assurance:.6f}")
-            for key, one in sorted(now.modes.items(), key=_key)
-        ],
-        "uncertainties.csv": [
-            (*key, repr(value)) for key, value in sorted(now.uncertainties.items())
-        ],
-        "tolerances.csv": [
-            (*key, f"{baseline.noise[key]:.3g}", f"{value:.3g}")
-            for key, value in sorted(baseline.tolerance.items())
-        ],
-        "counts.csv": [
-            (*key, f"{one.cut:.6g}", one.number)
-            for key, one in sorted(now.counts.items(), key=_key)
-        ],
-        "orders.csv": [
-            (*key, f"{one.p:.6f}", f"{one.formal:g}", " ".join(map(str, one.elements)))
-            for key, one in sorted(now.orders.items(), key=_key)
-        ],
-        "models.csv": [
-            (key, one.theory, one.version) for key, one in sorted(now.sources.items(), key=_key)
-        ],
-        "mechanisms.csv": sorted(now.mechanisms.items()),
-        "timings.csv": sorted(baseline.timed_since.items()),
-        "reasons.csv": [tuple(vars(reason).values()) for reason in baseline.reasons],
-    }  # fmt: skip
-    return write_all(folder, {name: _csv(rows[name], name) for name in HEADERS}, "baseline")
 
+    def lines(figures: Mapping[Any, T], cells: Callable[[T], Sequence[Any]]) -> list[Any]:
+        return [
+            (*((key,) if isinstance(key, str) else key), *cells(value))
+            for key, value in sorted(figures.items(), key=itemgetter(0))
+        ]
 
-def _key(item: tuple[Any, Any]) -> Any:
-    return item[0]
-
-
-def _csv(rows: Sequence[Sequence[Any]], name: str) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([HEADERS[name], *rows])
-    return text.getvalue().encode()
+    noise = {key: (baseline.noise[key], value) for key, value in baseline.tolerance.items()}
+    rows = (
+        lines(now.modes, lambda x: (repr(x.frequency), x.partner, f"{x.assurance:.6f}")),
+        lines(now.uncertainties, lambda x: [repr(x)]),
+        lines(noise, lambda x: [f"{value:.3g}" for value in x]),
+        lines(now.counts, lambda x: (f"{x.cut:.6g}", x.number)),
+        lines(
+            now.orders, lambda x: (f"{x.p:.6f}", f"{x.formal:g}", " ".join(map(str, x.elements)))
+        ),
+        lines(now.sources, astuple),
+        lines(now.mechanisms, lambda x: [x]),
+        lines(baseline.timed_since, lambda x: [x]),
+        [astuple(reason) for reason in baseline.reasons],
+    )
+    files = {}
+    for (name, header), body in zip(HEADERS.items(), rows, strict=True):
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([header, *body])
+        files[name] = text.getvalue().encode()
+    return write_all(folder, files, "baseline")
 
 
 def load(folder: Path) -> Baseline | None:
@@ -85,49 +72,46 @@ def load(folder: Path) -> Baseline | None:
     """
     if not folder.exists():
         return None
-    rows = {name: _rows(folder, name) for name in HEADERS}
+    rows: dict[str, list[Row]] = {}
+    name = ""
     try:
-        return _baseline(rows)
+        for name, header in HEADERS.items():
+            reader = csv.DictReader((folder / name).read_text(encoding="utf-8").splitlines())
+            if tuple(reader.fieldnames or ()) != header:
+                raise ValueError(f"{name}: other columns")
+            rows[name] = list(reader)
+        return _baseline(*rows.values())
+    except OSError as error:
+        why = f"{name}: {error.strerror or error}"
     except (ValueError, KeyError, TypeError, InputError) as error:
-        raise InputError("baseline", str(folder), f"{EXPECTED} ({error})") from None
+        why = str(error)
+    raise InputError("baseline", str(folder), f"a folder written by rps-bench accept ({why})")
 
 
-def _rows(folder: Path, name: str) -> list[dict[str, str]]:
-    try:
-        lines = (folder / name).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError("baseline", str(folder), f"{EXPECTED} ({name}: {reason})") from None
-    reader = csv.DictReader(lines)
-    if tuple(reader.fieldnames or ()) != HEADERS[name]:
-        raise InputError("baseline", str(folder), f"{EXPECTED} ({name}: other columns)")
-    return list(reader)
-
-
-def _baseline(rows: Mapping[str, Sequence[Row]]) -> Baseline:
-    modes = _keyed(
-        rows["frequencies.csv"],
-        lambda r: Shaped(
-            _number(r, "frequency_hz"), int(r["partner"]), _number(r, "assurance")
-        ),
-    )  # fmt: skip
+def _baseline(
+    frequencies: list[Row], uncertainties: list[Row], tolerances: list[Row], counts: list[Row],
+    orders: list[Row], models: list[Row], mechanisms: list[Row], timings: list[Row],
+    reasons: list[Row],
+) -> Baseline:  # fmt: skip
     figures = Measured(
-        modes,
-        _keyed(rows["uncertainties.csv"], lambda r: _number(r, "uncertainty_hz")),
-        {
-            (r["case"], r["model"]): Count(_number(r, "cut_hz"), int(r["modes_below"]))
-            for r in rows["counts.csv"]
-        },
-        _keyed(rows["orders.csv"], lambda r: _order(r, modes)),
-        {r["model"]: Source(r["theory"], r["version"]) for r in rows["models.csv"]},
-        {r["case"]: r["mechanism"] for r in rows["mechanisms.csv"]},
-    )
+        _keyed(frequencies, lambda r: Shaped(
+            _number(r, "frequency_hz"), int(r["partner"]), _number(r, "assurance"))),
+        _keyed(uncertainties, lambda r: _number(r, "uncertainty_hz")),
+        {(r["case"], r["model"]): Count(_number(r, "cut_hz"), int(r["modes_below"]))
+         for r in counts},
+        _keyed(orders, lambda r: Order(
+            _number(r, "order"), tuple(map(int, r["elements"].split())), _number(r, "formal"))),
+        {r["model"]: Source(r["theory"], r["version"]) for r in models},
+        {r["case"]: r["mechanism"] for r in mechanisms},
+    )  # fmt: skip
+    for (case, name, mode), order in figures.orders.items():
+        figures.followed(case, order.labels(name), mode)  # refuses an order of no frequencies
     return Baseline(
         figures,
-        _keyed(rows["tolerances.csv"], lambda r: _number(r, "noise")),
-        _keyed(rows["tolerances.csv"], lambda r: _number(r, "tolerance", above=True)),
-        {r["model"]: r["since"] for r in rows["timings.csv"]},
-        tuple(Reason(**{**r, "mode": int(r["mode"])}) for r in rows["reasons.csv"]),  # type: ignore[arg-type]
+        _keyed(tolerances, lambda r: _number(r, "noise")),
+        _keyed(tolerances, lambda r: _number(r, "tolerance", above=True)),
+        {r["model"]: r["since"] for r in timings},
+        tuple(Reason(**{**r, "mode": int(r["mode"])}) for r in reasons),  # type: ignore[arg-type]
     )
 
 
@@ -140,10 +124,3 @@ def _number(row: Row, name: str, *, above: bool = False) -> float:
     if not math.isfinite(value) or value < 0 or (above and value == 0):
         raise ValueError(f"{name} of {row['model']} at {row['case']} is {row[name]}")
     return value
-
-
-def _order(row: Row, modes: Mapping[Key, Shaped]) -> Order:
-    elements = tuple(int(n) for n in row["elements"].split())
-    labels = tuple(label(Named(row["model"], n)) for n in elements)
-    values = followed(modes, row["case"], labels, int(row["mode"]))
-    return Order(_number(row, "order"), elements, values, labels, _number(row, "formal"))

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from analytic import InputError
 from harness.bench import Bench
-from harness.gate.compare import FAILED, Finding, broken, compare, condense, failures, slower
+from harness.gate.compare import FAILED, broken, compare, condense, failures, slower
 from harness.gate.measured import measure
 from harness.gate.plan import Checked
 from harness.gate.properties import properties
@@ -35,12 +35,11 @@ def look(
     """Return what moved since the baseline `known`, and what does not hold."""
     now = measure(checked, bench)
     held = properties(checked, bench)
-    findings = failures(checked) + broken(held)
-    if known is not None:
-        findings += compare(known, now, checked)
-    else:
+    findings = failures(checked) + broken(held) + slower(timings)
+    if known is None:
         notes = ("compared with no baseline", *notes)
-    findings += slower(timings)
+    else:
+        findings += compare(known, now, checked)
     said = (*checked.plan.notes, *notes)
     return Report(tuple(findings), tuple(held), tuple(timings), now, known, about or {}, said)
 
@@ -67,39 +66,23 @@ def accepted(report: Report, checked: Checked, bench: Bench, reason: str) -> Bas
     Raises `NotAcceptedError` where a property or a model fails, and `InputError` where something
     lowers the bar and no reason is given.
     """
-    known, about = report.baseline, report.about
-    never = [one for one in report.failed if one.kind in NEVER]
+    about = report.about
+    never = [one.kind for one in report.failed if one.kind in NEVER]
     if never:
-        kinds = " and ".join(sorted({one.kind for one in never}))
+        kinds = " and ".join(sorted({*never}))
         raise NotAcceptedError(f"nothing accepted: {len(never)} x {kinds}, which cannot be")
     lower = [one for one in report.failed if one.verdict == FAILED]
     if lower and not reason:
         raise InputError("reason", None, f"why {len(lower)} findings that lower the bar are right")
-    gone = [one.model for one in lower if one.kind == "missing"]
-    still = [model for model in gone if model not in report.now.sources]
-    why = _reasons(condense(lower), about, reason)
-    noise = measure_noise(checked, bench)
-    result = accept(known, report.now, noise, about, reason, why, still)
-    changed = {one.model: one for one in report.timings}
-    since = {
-        one.model: changed[one.model].since.isoformat()
-        for one in report.findings
-        if one.kind == "timing"
-    }
-    return replace(result, timed_since=result.timed_since | since)
-
-
-def _reasons(
-    lower: Sequence[tuple[Finding, int]], about: Mapping[str, str], reason: str
-) -> list[Reason]:
-    return [
+    gone = {one.model for one in lower if one.kind == "missing"} - report.now.sources.keys()
+    reasons = [
         Reason(about["time"], about["commit"], one.quantity, one.model,
                one.case if of == 1 else f"{one.case} (worst of {of})", one.mode or 0,
                str(one.before), str(one.after), reason)
-        for one, of in lower
+        for one, of in condense(lower)
     ]  # fmt: skip
-
-
-def now() -> str:
-    """Return the time, to the second."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
+    noise = measure_noise(checked, bench)
+    result = accept(report.baseline, report.now, noise, about, reason, reasons, gone)
+    moved = {one.model for one in report.findings if one.kind == "timing"}
+    since = {one.model: one.since.isoformat() for one in report.timings if one.model in moved}
+    return replace(result, timed_since=result.timed_since | since)

@@ -1,7 +1,7 @@
 """What a check compares: frequencies, what each mode looks like, mode counts, orders, versions."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +48,15 @@ class Count:
 
 @dataclass(frozen=True)
 class Order:
-    """An observed order `p` from `frequencies` [Hz] on `elements` a limb; the `formal` one."""
+    """An observed order `p` on meshes of `elements` a limb; the `formal` one."""
 
     p: float
     elements: tuple[int, ...]
-    frequencies: tuple[float, ...]
-    labels: tuple[str, ...]
     formal: float
+
+    def labels(self, name: str) -> list[str]:
+        """Return what the meshes of the model called `name` are called."""
+        return [label(Named(name, n)) for n in self.elements]
 
 
 @dataclass(frozen=True)
@@ -89,28 +91,44 @@ class Measured:
         """Where modes were measured, in order."""
         return dict.fromkeys((case, model) for case, model, _ in self.modes)
 
-    def updated(self, newer: "Measured") -> "Measured":
-        """Return these figures with those of `newer` in their place."""
-        gone = set(newer.sources)  # a model measured again leaves nothing old behind
-        return Measured(
-            {k: v for k, v in self.modes.items() if k[1] not in gone} | newer.modes,
-            {k: v for k, v in self.uncertainties.items() if k[1] not in gone} | newer.uncertainties,
-            {k: v for k, v in self.counts.items() if k[1] not in gone} | newer.counts,
-            {k: v for k, v in self.orders.items() if not gone & {*v.labels}} | newer.orders,
-            self.sources | newer.sources,
-            self.mechanisms | newer.mechanisms,
-        )
-
-    def without(self, labels: set[str]) -> "Measured":
+    def without(self, labels: Collection[str]) -> "Measured":
         """Return these figures without those of the models called `labels`."""
         return Measured(
             {k: v for k, v in self.modes.items() if k[1] not in labels},
             {k: v for k, v in self.uncertainties.items() if k[1] not in labels},
             {k: v for k, v in self.counts.items() if k[1] not in labels},
-            {k: v for k, v in self.orders.items() if not labels & {*v.labels}},
+            {k: v for k, v in self.orders.items() if not {*labels} & {*v.labels(k[1])}},
             {k: v for k, v in self.sources.items() if k not in labels},
             self.mechanisms,
         )
+
+    def updated(self, newer: "Measured") -> "Measured":
+        """Return these figures with those of `newer` in their place.
+
+        A model measured again leaves nothing old behind.
+        """
+        kept = self.without(newer.sources)
+        return Measured(*(getattr(kept, x.name) | getattr(newer, x.name) for x in STORED))
+
+    def followed(self, case: str, labels: Sequence[str], mode: int) -> NDArray[np.float64]:
+        """Return the frequency [Hz] of `mode` of the last of `labels` in each of them.
+
+        It is followed by its shape; where a coarse mesh has no such mode among those compared, by
+        its number.
+        """
+        partner = self.modes[case, labels[-1], mode].partner
+        found = []
+        for one in labels:
+            numbered = (self.modes.get((case, one, i)) for i in range(1, MODES + 1))
+            alike = [
+                shaped.frequency for shaped in numbered if shaped and shaped.partner == partner
+            ]
+            found.append(alike[0] if alike else self.modes[case, one, mode].frequency)
+        return np.array(found)
+
+
+STORED = fields(Measured)[:6]
+"""What of `Measured` is kept; the rest is for comparing it."""
 
 
 def measure(checked: Checked, bench: Bench) -> Measured:
@@ -173,27 +191,10 @@ def counted(f: NDArray[np.float64], count: int) -> Count:
 def _orders(result: Measured, study: Study, ladder: Sequence[Named]) -> None:
     last = ladder[-MESHES:]
     elements = tuple(n for model in last if isinstance(n := model.elements, int))
-    labels, formal = tuple(map(label, last)), ladder[0].info().order
+    formal = ladder[0].info().order
     for case in study.complete(*last):
         for i in range(1, study.count + 1):
-            values = followed(result.modes, case.name, labels, i)
-            seen = verify(elements, values, formal)
-            if np.isfinite(seen.order):
-                order = Order(seen.order, elements, values, labels, formal)
-                result.orders[case.name, ladder[0].name, i] = order
-
-
-def followed(
-    modes: Mapping[Key, Shaped], case: str, labels: Sequence[str], mode: int
-) -> tuple[float, ...]:
-    """Return the frequency of `mode` of the last of `labels` in each of them, by its shape.
-
-    Where a coarse mesh has no such mode among those compared, by its number.
-    """
-    partner = modes[case, labels[-1], mode].partner
-    found = []
-    for one in labels:
-        numbered = (modes.get((case, one, i)) for i in range(1, MODES + 1))
-        alike = [shaped.frequency for shaped in numbered if shaped and shaped.partner == partner]
-        found.append(alike[0] if alike else modes[case, one, mode].frequency)
-    return tuple(found)
+            values = result.followed(case.name, [label(model) for model in last], i)
+            p = verify(elements, values.tolist(), formal).order
+            if np.isfinite(p):
+                result.orders[case.name, ladder[0].name, i] = Order(p, elements, formal)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -27,7 +27,8 @@ AROUND, TILTS = 4, 3
 LEAST = 0.01
 """Tilt of a map's rim [rad] below which there is nothing to map."""
 NOT_ASKED = "not asked for"
-_SHORTEST, _LONGEST = Limits().length_min, Limits().length_max
+PLACE = f"{GATE} z="
+"""What the name of a pose of the map begins with; its coordinates follow."""
 
 
 @dataclass(frozen=True)
@@ -93,13 +94,14 @@ def standard(
     for name in names or ():
         if name not in known:
             raise InputError("models", name, f"some of {', '.join(known)}")
-    skipped = {}
+    skipped, chosen = {}, {}
     for name, info in known.items():
-        if info.missing:
-            skipped[name] = f"cannot run here: {info.missing}"
         if (names is not None and name not in names) or (quick and info.slow):
             skipped[name] = NOT_ASKED
-    chosen = {name: info for name, info in known.items() if name not in skipped}
+        elif info.missing:
+            skipped[name] = f"cannot run here: {info.missing}"
+        else:
+            chosen[name] = info
     ladders = tuple(tuple(Named(name, n) for n in one.ladder) for name, one in chosen.items())
     singles = [Named(name, None) for name, info in chosen.items() if info.limit == name]
     # Of a slow model the meshes themselves are enough.
@@ -110,13 +112,11 @@ def standard(
     ]
     singles += [model for model in GATE_MORE if model.name in chosen]
     mapped = tuple(model for model in GATE_MAP if model.name in chosen)
-    poses: tuple[Case, ...] = ()
-    notes: tuple[str, ...] = ()
+    plan = Plan(tuple(cases), ladders, tuple(singles), mapped, (), skipped)
     try:
-        poses = workspace_cases(cases[0].mechanism, cases[0].pose.z)
+        return replace(plan, poses=workspace_cases(cases[0].mechanism, cases[0].pose.z))
     except InputError as error:
-        notes = (f"no map of the workspace: {error}",)
-    return Plan(tuple(cases), ladders, tuple(singles), mapped, poses, skipped, notes)
+        return replace(plan, notes=(f"no map of the workspace: {error}",))
 
 
 @cache
@@ -126,26 +126,25 @@ def workspace_cases(mechanism: Mechanism, z: float) -> tuple[Case, ...]:
     Layers and the limits of the limbs' lengths are those of the paper, in proportion to `z`.
     Raises `InputError` where a layer is out of reach.
     """
-    scale = z / HEIGHT
-    limits = Limits(_SHORTEST * scale, _LONGEST * scale)
+    scale, usual = z / HEIGHT, Limits()
+    limits = Limits(usual.length_min * scale, usual.length_max * scale)
     region = regular_workspace(mechanism, [scale * layer for layer in LAYERS], limits)
     if region.radii.min() < LEAST:
         # Of four limbs and more the joints close at some azimuths only.
         raise InputError("mechanism", f"{len(mechanism.limbs)} limbs", "one that tilts any way")
     grid = region.grid(AROUND * len(mechanism.limbs), TILTS)
     flat = [np.broadcast_to(x, grid.shape).ravel() for x in (grid.z, grid.azimuth, grid.tilt)]
-    return tuple(Case(_place(pose), mechanism, pose, "regular workspace") for pose in Pose(*flat))
-
-
-def _place(pose: Pose) -> str:
-    """Return what a pose of the map is called: its coordinates."""
-    phi, theta = np.degrees([pose.azimuth, pose.tilt])
-    return f"{GATE} z={1000 * pose.z:g} mm, phi={phi:.6g} deg, theta={theta:.4f} deg"
+    found = []
+    for pose in Pose(*flat):
+        phi, theta = np.degrees([pose.azimuth, pose.tilt])
+        name = f"{PLACE}{1000 * pose.z:g} mm, phi={phi:.6g} deg, theta={theta:.4f} deg"
+        found.append(Case(name, mechanism, pose, "regular workspace"))
+    return tuple(found)
 
 
 def group(case: str) -> str:
     """Return what a case is called where all poses of the map are one."""
-    return GATE if case.startswith(f"{GATE} z=") else case
+    return GATE if case.startswith(PLACE) else case
 
 
 def solve(plan: Plan, bench: Bench) -> Checked:
@@ -159,14 +158,19 @@ def solve(plan: Plan, bench: Bench) -> Checked:
     for model in plan.mapped if plan.poses else ():
         if not model.info().isolated:  # what runs in this process takes many poses a call
             found = attempt(BatchTask(model, plan.poses))
-            if isinstance(found, Failure):
-                failures[model] = found.reason
-            else:
-                assert isinstance(found, Batch), "what the task gives"
+            if isinstance(found, Batch):
                 batches[model] = found
+            else:
+                assert isinstance(found, Failure), "or what the task gives"
+                failures[model] = found.reason
     machine.append(yardstick())
     rows = cases.rows() + [row | {"case": GATE} for row in workspace.rows()]
-    rows += [_batch_row(model, batch, plan.poses[0]) for model, batch in batches.items()]
+    rows += [  # how long a model takes for a pose among many
+        {"case": GATE, "model": f"{label(model)}, many poses a call", "mode": 1,
+         "z_m": plan.poses[0].pose.z, "frequency_hz": float(batch.table[0, 0]), "build_s": 0.0,
+         "solve_s": batch.seconds}
+        for model, batch in batches.items()
+    ]  # fmt: skip
     rows.append(yardstick_row(machine))
     return Checked(plan, cases, workspace, batches, failures, rows)
 
@@ -187,16 +191,3 @@ class BatchTask:
         began = time.perf_counter()
         table = self.model.frequencies(mechanism, many, MODES)
         return Batch(table, (time.perf_counter() - began) / len(poses))
-
-
-def _batch_row(model: Model, batch: Batch, first: Case) -> dict[str, Any]:
-    """Return the row that says how long the model takes for a pose among many."""
-    return {
-        "case": GATE,
-        "model": f"{label(model)}, many poses a call",
-        "mode": 1,
-        "z_m": first.pose.z,
-        "frequency_hz": float(batch.table[0, 0]),
-        "build_s": 0.0,
-        "solve_s": batch.seconds,
-    }

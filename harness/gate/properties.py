@@ -4,7 +4,7 @@ Every bound is derived: from the rounding of the matrices, from the width of cer
 from the limit itself, or from the precision that a model declares.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from analytic.multipliers import null_space
-from harness.bench import Bench, label
+from harness.bench import Bench, Study, label
 from harness.cases import Case
-from harness.gate.equivalents import UNITS, answer, relative, turned
+from harness.gate.equivalents import UNITS, answer, relative, restated
 from harness.gate.plan import MODES, BatchTask, Checked
 from harness.presets import TWINS
-from harness.workers import Failure, attempt
+from harness.workers import attempt
 
 Floats = NDArray[np.float64]
 BATCH = 1e-9
@@ -52,26 +52,32 @@ def properties(checked: Checked, bench: Bench) -> list[Property]:
 
     return [
         *_equivalents(checked, bench),
-        *_symmetry(checked),
+        *_symmetry(checked.workspace),
         *_twins(checked, bench),
         *_batches(checked),
         *truths(checked, bench),
     ]
 
 
-def worst(name: str, model: str, found: Sequence[Found], remark: str) -> Iterator[Property]:
-    """Yield the property at its worst: the largest deviation over its bound."""
-    if not found:
-        return
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratios = [np.nan_to_num(d / b, nan=0.0, posinf=np.inf) for _, d, b in found]
-    k = int(np.argmax([ratio.max() for ratio in ratios]))
-    case, deviation, bound = found[k]
-    i = int(ratios[k].argmax())
-    yield Property(name, model, case, i + 1, float(deviation[i]), float(bound[i]), remark)
+def worst(name: str, model: str, found: Iterable[Found], remark: str) -> Iterator[Property]:
+    """Yield the property at its worst: the largest deviation over its bound; none of nothing."""
+    at: list[tuple[float, Property]] = []
+    for case, deviation, bound in found:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratios = np.nan_to_num(deviation / bound, nan=0.0, posinf=np.inf)
+        i = int(ratios.argmax())
+        numbers = i + 1, float(deviation[i]), float(bound[i])
+        at.append((float(ratios[i]), Property(name, model, case, *numbers, remark)))
+    if at:
+        yield max(at, key=lambda one: one[0])[1]
 
 
-def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Floats:
+def solved(study: Study, case: Case, model: Model) -> Floats:
+    """Return the frequencies (MODES,) [Hz] that a study holds."""
+    return study.answers[case, model].frequencies[:MODES]
+
+
+def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int = MODES) -> Floats:
     """Return how far rounding may move each frequency of a model, relative, (count,).
 
     What the model declares; or, where it shows its matrices: every entry of K and M, in the
@@ -79,9 +85,8 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     (|x|^T |K| |x| + omega^2 |x|^T |M| |x|) / (2 omega^2 x^T M x), with n the coordinates of a limb,
     as many as a sum has terms.
     """
-    info = model.info()
     build = getattr(model, "build", None)
-    built = model if build is None or info.isolated else build()
+    built = model if build is None or model.info().isolated else build()
     matrices = getattr(built, "matrices", None)
     if matrices is None:
         return np.full(count, getattr(built, "info", model.info)().precision)
@@ -97,8 +102,14 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Flo
     mass = (x * (M @ x)).sum(axis=0)
     terms = 6 * (model.elements + 1)
     with np.errstate(divide="ignore"):
-        bound = np.abs(terms * np.finfo(float).eps * entries / (2 * values * mass))
-    return np.asarray(bound)
+        return np.asarray(np.abs(terms * np.finfo(float).eps * entries / (2 * values * mass)))
+
+
+def rounding(case: Case, *models: Model) -> Floats:
+    """Return how far rounding may move the frequencies of `models` apart at a case, (MODES,)."""
+    return sum(
+        (precision(model, case.mechanism, case.pose) for model in models), start=np.zeros(MODES)
+    )
 
 
 def _equivalents(checked: Checked, bench: Bench) -> Iterator[Property]:
@@ -108,29 +119,20 @@ def _equivalents(checked: Checked, bench: Bench) -> Iterator[Property]:
     models += [one for one in plan.singles if not isinstance(one.elements, tuple)]
     for model in dict.fromkeys(models):
         cases = study.complete(model)
-        for equivalent in UNITS:
+        for one in UNITS:
             found = []
             # A slow model is asked where nothing is symmetrical.
             for case in cases[-1:] if model.info().slow else cases:
-                f = study.answers[case, model].frequencies[: study.count]
-                changed = equivalent.change(case.mechanism, case.pose)
-                again = answer(bench, model, *changed, study.count)
+                changed = one.change(case.mechanism, case.pose)
+                again = answer(bench, model, *changed, MODES) / one.factor
                 # Rounding depends on the units: the bound is that of the changed problem.
-                bound = np.maximum(
-                    precision(model, case.mechanism, case.pose, study.count),
-                    precision(model, *changed, study.count),
-                )
-                if again is None:
-                    deviation = np.full(study.count, np.inf)
-                else:
-                    deviation = relative(again / equivalent.factor, f)
-                found.append((case.name, deviation, bound))
-            yield from worst(equivalent.name, label(model), found, "rounding")
+                bound = np.maximum(rounding(case, model), precision(model, *changed))
+                found.append((case.name, relative(again, solved(study, case, model)), bound))
+            yield from worst(one.name, label(model), found, "rounding")
 
 
-def _symmetry(checked: Checked) -> Iterator[Property]:
+def _symmetry(study: Study) -> Iterator[Property]:
     """Equal limbs around a circle: turning the azimuth from one to the next changes nothing."""
-    study = checked.workspace
     if not study.cases:
         return
     mechanism = study.cases[0].mechanism
@@ -144,76 +146,58 @@ def _symmetry(checked: Checked) -> Iterator[Property]:
             groups.setdefault((case.pose.z, case.pose.tilt, turn), []).append(case)
         found = []
         for first, *others in groups.values():
-            f = study.answers[first, model].frequencies[: study.count]
-            bound = precision(model, mechanism, first.pose, study.count)
-            for case in others:
-                again = study.answers[case, model].frequencies[: study.count]
-                found.append((case.name, relative(again, f), bound))
+            f, bound = solved(study, first, model), rounding(first, model)
+            found += [(c.name, relative(solved(study, c, model), f), bound) for c in others]
         yield from worst(f"{step:g} deg symmetry", label(model), found, "rounding")
 
 
 def _repeats(mechanism: Mechanism, angle: float) -> bool:
     """Return whether the mechanism turned by `angle` [rad] is itself, limbs renumbered."""
-    turned_one, _ = turned(angle)(mechanism, Pose(1.0))
+    turned, _ = restated(angle)(mechanism, Pose(1.0))
     size = max(np.abs(mechanism.bases).max(), np.abs(mechanism.platform_points).max())
-
-    def close(a: object, b: object) -> bool:
-        return np.allclose(np.asarray(a), np.asarray(b), rtol=0, atol=1e-9 * size)
-
-    inertia = np.array(mechanism.platform.inertia)
-    again = np.array(turned_one.platform.inertia)
-    return np.allclose(again, inertia, rtol=0, atol=1e-9 * np.abs(inertia).max()) and all(
-        any(
-            close(limb.base, other.base)
-            and np.allclose(limb.axis, other.axis, atol=1e-9)
-            and close(limb.platform_point, other.platform_point)
-            and limb.rod == other.rod
-            for other in mechanism.limbs
-        )
-        for limb in turned_one.limbs
-    )
+    inertia, again = np.array(mechanism.platform.inertia), np.array(turned.platform.inertia)
+    places = [
+        np.array([(*limb.base, *limb.platform_point, *(size * np.array(limb.axis)))
+                  for limb in one.limbs])
+        for one in (mechanism, turned)
+    ]  # fmt: skip
+    apart = np.abs(places[0][None] - places[1][:, None]).max(axis=2)
+    rods = [[a.rod == b.rod for b in mechanism.limbs] for a in turned.limbs]
+    same = ((apart <= 1e-9 * size) & rods).any(axis=1).all()
+    return bool(same and np.abs(again - inertia).max() <= 1e-9 * np.abs(inertia).max())
 
 
 def _twins(checked: Checked, bench: Bench) -> Iterator[Property]:
     """The same elements put together or solved in other ways."""
-    study, plan = checked.cases, checked.plan
+    study = checked.cases
     for one, other in TWINS:
-        if one.name in plan.skipped or other.name in plan.skipped:
+        if {one.name, other.name} & checked.plan.skipped.keys():
             continue
         found = []
         for case in study.complete(one):
-            own = case.mechanism, case.pose
-            f = study.answers[case, one].frequencies[: study.count]
-            again = answer(bench, other, *own, study.count)
-            bound = precision(one, *own, study.count) + precision(other, *own, study.count)
-            deviation = np.full(study.count, np.inf) if again is None else relative(again, f)
-            found.append((case.name, deviation, bound))
+            again = answer(bench, other, case.mechanism, case.pose, MODES)
+            off = relative(again, solved(study, case, one))
+            found.append((case.name, off, rounding(case, one, other)))
         yield from worst(f"{label(other)} = {label(one)}", label(other), found, "rounding of both")
 
 
 def _batches(checked: Checked) -> Iterator[Property]:
     """Many poses a call, against the same model pose by pose."""
-    for model, batch in checked.batches.items():
-        study = checked.workspace
-        found = [
-            (case.name, *_off(study.answers[case, model].frequencies, f, model, case))
-            for case, f in zip(study.cases, batch.table, strict=True)
-            if (case, model) in study.answers
-        ]
-        yield from worst("many poses a call, map", label(model), found, "the batch solver's 1e-9")
-    study = checked.cases
-    for model in study.models:
-        if model.info().isolated or model.elements not in (3, None):
-            continue
+    tables = [
+        ("map", checked.workspace, model, checked.workspace.cases, batch.table)
+        for model, batch in checked.batches.items()
+    ]
+    for model in checked.cases.models:
+        if model.elements in (3, None) and not model.info().isolated:
+            some = checked.cases.complete(model)
+            rows = [getattr(attempt(BatchTask(model, (case,))), "table", None) for case in some]
+            table = np.array([np.full(MODES, np.inf) if row is None else row[0] for row in rows])
+            tables.append(("cases", checked.cases, model, some, table))
+    for where, study, model, cases, table in tables:
         found = []
-        for case in study.complete(model):
-            some = attempt(BatchTask(model, (case,)))
-            table = np.full((1, MODES), np.nan) if isinstance(some, Failure) else some.table  # type: ignore[attr-defined]
-            modes = study.answers[case, model]
-            found.append((case.name, *_off(modes.frequencies, table[0], model, case)))
-        yield from worst("many poses a call, cases", label(model), found, "the batch solver's 1e-9")
-
-
-def _off(f: Floats, batch: Floats, model: Model, case: Case) -> tuple[Floats, Floats]:
-    bound = BATCH + precision(model, case.mechanism, case.pose, MODES)
-    return np.nan_to_num(relative(batch, f[:MODES]), nan=np.inf), bound
+        for case, f in zip(cases, table, strict=True):
+            if (case, model) in study.answers:
+                off = np.nan_to_num(relative(f, solved(study, case, model)), nan=np.inf)
+                found.append((case.name, off, BATCH + rounding(case, model)))
+        name = f"many poses a call, {where}"
+        yield from worst(name, label(model), found, "the batch solver's 1e-9")

@@ -4,14 +4,14 @@ A tolerance is `FACTOR` times the model's own numerical noise (`harness.gate.equ
 Accepting takes new values but never a wider tolerance, unless a reason is given and kept.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from harness.bench import Bench, label
 from harness.gate.equivalents import EQUIVALENTS, noise, relative
-from harness.gate.measured import Key, Measured, Shaped
+from harness.gate.measured import Key, Measured
 from harness.gate.plan import Checked, group
 
 FACTOR = 10
@@ -69,10 +69,11 @@ class Baseline:
         p = ln((f_2 - f_1) / (f_3 - f_2)) / ln r, so |dp| <= (2 d / |f_2 - f_1| + 2 d /
         |f_3 - f_2|) / ln r with d the largest error of a frequency.
         """
-        case, _, mode = key
+        case, name, mode = key
         order = self.figures.orders[key]
-        values = np.array(order.frequencies)
-        d = max(self.allowed((case, one, mode)) for one in order.labels) * values[-1]
+        labels = order.labels(name)
+        values = self.figures.followed(case, labels, mode)
+        d = max(self.allowed((case, one, mode)) for one in labels) * values[-1]
         ratio = order.elements[-1] / order.elements[-2]
         return max(ORDER, float((2 * d / np.abs(np.diff(values))).sum() / np.log(ratio)))
 
@@ -105,11 +106,6 @@ def measure_noise(checked: Checked, bench: Bench) -> dict[Key, float]:
     return found
 
 
-def tolerances(noise: Mapping[Key, float]) -> dict[Key, float]:
-    """Return what `noise` allows."""
-    return {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
-
-
 def accept(
     before: Baseline | None,
     now: Measured,
@@ -117,7 +113,7 @@ def accept(
     about: Mapping[str, str],
     reason: str,
     reasons: Sequence[Reason] = (),
-    gone: Sequence[str] = (),
+    gone: Collection[str] = (),
 ) -> Baseline:
     """Return the baseline that takes `now`: tolerances the smaller of old and newly measured.
 
@@ -125,34 +121,33 @@ def accept(
     recorded with `about` (time and commit), after `reasons`, those of whatever else was accepted.
     Models not measured stay as they are, but for those called one of `gone`.
     """
-    fresh = tolerances(noise)
+    fresh = {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
     if before is None:
         return Baseline(now, dict(noise), fresh, {}, tuple(reasons))
     kept, wider = dict(before.tolerance), []
     for key, value in fresh.items():
         old = kept.get(key, value)
-        widen = bool(reason) and value > old and noise[key] > NEAR * old
-        if widen:
+        kept[key] = min(old, value)
+        if reason and value > old and noise[key] > NEAR * old:
             case, model, mode = key
+            kept[key] = value
             wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
                                 repr(old), repr(value), reason))  # fmt: skip
-        kept[key] = value if widen else min(old, value)
-    # What did not move keeps its value: many small steps must not add up unseen.
-    still = {
-        key: was
-        for key, new in now.modes.items()
-        if (was := before.figures.modes.get(key)) and _same(was, new, before.allowed(key))
-    }
-    lost = set(gone)
+    modes = dict(now.modes)
+    for key, new in now.modes.items():
+        was = before.figures.modes.get(key)
+        # What did not move keeps its value: many small steps must not add up unseen.
+        if (
+            was is not None
+            and new.partner == was.partner
+            and abs(new.assurance - was.assurance) < SHAPE
+            and relative(new.frequency, was.frequency) <= before.allowed(key)
+        ):
+            modes[key] = was
     return Baseline(
-        before.figures.without(lost).updated(replace(now, modes=now.modes | still)),
-        {key: v for key, v in (before.noise | dict(noise)).items() if key[1] not in lost},
-        {key: v for key, v in kept.items() if key[1] not in lost},
+        before.figures.without(gone).updated(replace(now, modes=modes)),
+        {key: v for key, v in (before.noise | dict(noise)).items() if key[1] not in gone},
+        {key: v for key, v in kept.items() if key[1] not in gone},
         before.timed_since,
         (*before.reasons, *reasons, *wider),
     )
-
-
-def _same(old: Shaped, new: Shaped, allowed: float) -> bool:
-    alike = new.partner == old.partner and abs(new.assurance - old.assurance) < SHAPE
-    return alike and bool(relative(new.frequency, old.frequency) <= allowed)

@@ -103,8 +103,7 @@ def _moving(values: NDArray[np.float64], length: int, limit: float) -> list[Chan
         if len(reference) < LEAST:
             found.append(None)
             continue
-        known = np.array(reference[-MOST:])
-        middle, noise = _spread(known)
+        middle, noise = _spread(np.array(reference[-MOST:]))
         window = values[i - length + 1 : i + 1]
         scores = np.minimum(np.maximum((window - middle) / noise, -CLIP), CLIP)
         # Over for some runs, it is over, whatever a long window still remembers.

@@ -16,8 +16,8 @@ from harness.cases import Case
 from harness.causes import THEORIES
 from harness.gate.equivalents import answer, relative, with_material
 from harness.gate.measured import counted
-from harness.gate.plan import Checked
-from harness.gate.properties import Found, Property, precision, worst
+from harness.gate.plan import MODES, Checked
+from harness.gate.properties import Found, Property, precision, rounding, solved, worst
 from harness.presets import CONFORMING
 from harness.studies.refinement import MESHES, WARY, verify
 from reference_models import Named
@@ -52,40 +52,48 @@ def _theory(model: Named) -> Theory:
     return Theory(limit.name, dict(limit.settings).get("shear", "cowper"))
 
 
+def _truth(
+    checked: Checked, bench: Bench, *models: Named
+) -> Iterator[tuple[Case, Modes, list[Modes], Floats]]:
+    """Yield every case with its exact modes, those of `models`, and the exact frequencies, none 0.
+
+    The exact model is that of the theory that the first model declares; none where there is none.
+    """
+    limit, study = models[0].limit(), checked.cases
+    if limit is None:
+        return
+    exact = bench.run(study.cases, [limit], MODES)
+    for case in study.complete(*models):
+        modes = exact.first(case, limit)
+        if modes is not None:
+            f = modes.frequencies
+            yield case, modes, [study.answers[case, m] for m in models], np.where(f > 0, f, 1.0)
+
+
 def _limits(checked: Checked, bench: Bench) -> Iterator[Property]:
     """s -> infinity is the exact model of the theory that is declared.
 
     That lies below every mesh if the elements are conforming.
     """
-    study = checked.cases
     for ladder in checked.plan.ladders:
-        limit = ladder[0].limit()
-        if limit is None or len(ladder) < 2:
+        if len(ladder) < 2:
             continue
-        exact = bench.run(study.cases, [limit], study.count)
         within, above = [], []
-        for case in study.complete(*ladder):
-            modes = exact.first(case, limit)
-            if modes is None:
-                continue
-            f = np.array([_like(modes, study.answers[case, one], case) for one in ladder])
+        for case, exact, meshes, scale in _truth(checked, bench, *ladder):
+            limit = ladder[0].limit()
+            assert limit is not None, "there is a truth"
+            partners = (pair(exact, one, case.mechanism, case.pose).partner for one in meshes)
+            f = np.array([m.frequencies[p] for m, p in zip(meshes, partners, strict=True)])
             value, band = _converged(ladder, f)
-            slack = precision(ladder[-1], case.mechanism, case.pose, study.count)
-            slack = slack + precision(limit, case.mechanism, case.pose, study.count)
-            scale = np.where(modes.frequencies > 0, modes.frequencies, 1.0)
-            within.append((case.name, relative(value, modes.frequencies), band / scale + slack))
-            short = np.maximum(1 - f / scale, 0).max(axis=0) * (modes.frequencies > 0)
+            slack = rounding(case, ladder[-1], limit)
+            off = relative(value, exact.frequencies)
+            within.append((case.name, off, band / scale + slack))
+            short = np.maximum(1 - f / scale, 0).max(axis=0) * (exact.frequencies > 0)
             above.append((case.name, short, slack))
         name = ladder[0].name
         yield from worst("s -> infinity is exact", name, within, "the band of the finest mesh")
         if name in CONFORMING:
             yield from worst("elements only stiffen", name, above, "rounding")
-
-
-def _like(exact: Modes, modes: Modes, case: Case) -> Floats:
-    """Return the frequencies of `modes` that look like the exact ones, in their order."""
-    partner = pair(exact, modes, case.mechanism, case.pose).partner
-    return np.asarray(modes.frequencies[partner])
 
 
 def _converged(ladder: Sequence[Named], f: Floats) -> tuple[Floats, Floats]:
@@ -104,22 +112,16 @@ def _converged(ladder: Sequence[Named], f: Floats) -> tuple[Floats, Floats]:
 
 def _extrapolated(checked: Checked, bench: Bench) -> Iterator[Property]:
     """What is extrapolated from two meshes lies as near the exact model as it says."""
-    study = checked.cases
     for model in checked.plan.singles:
-        limit = model.limit()
-        if limit is None or not isinstance(model.elements, tuple):
+        if not isinstance(model.elements, tuple):
             continue
-        exact = bench.run(study.cases, [limit], study.count)
         found = []
-        for case in study.complete(model):
-            modes, own = exact.first(case, limit), study.answers[case, model]
-            if modes is None or own.uncertainty is None:
-                continue
-            partner = pair(modes, own, case.mechanism, case.pose).partner
-            scale = np.where(modes.frequencies > 0, modes.frequencies, 1.0)
-            slack = precision(model, case.mechanism, case.pose, study.count)
-            off = relative(own.frequencies[partner], modes.frequencies)
-            found.append((case.name, off, own.uncertainty[partner] / scale + slack))
+        for case, exact, (own,), scale in _truth(checked, bench, model):
+            if own.uncertainty is not None:
+                partner = pair(exact, own, case.mechanism, case.pose).partner
+                off = relative(own.frequencies[partner], exact.frequencies)
+                bound = own.uncertainty[partner] / scale + rounding(case, model)
+                found.append((case.name, off, bound))
         yield from worst("extrapolated is exact", label(model), found, "its own uncertainty")
 
 
@@ -135,42 +137,35 @@ def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
             continue  # on other meshes
         found = []
         for case in study.complete(model):
-            low = answer(bench, relaxed, case.mechanism, case.pose, study.count)
-            if low is not None:
-                f = study.answers[case, model].frequencies[: study.count]
-                bound = precision(model, case.mechanism, case.pose, study.count)
-                found.append((case.name, np.maximum(low / f - 1, 0), bound))
+            low = answer(bench, relaxed, case.mechanism, case.pose, MODES)
+            if np.isfinite(low).all():
+                off = np.maximum(low / solved(study, case, model) - 1, 0)
+                found.append((case.name, off, rounding(case, model)))
         yield from worst(f"{info.assumption} only stiffens", label(model), found, "no excess")
 
 
 def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
     """Euler-Bernoulli > Rayleigh > Timoshenko; without shear Timoshenko is Rayleigh."""
     study = checked.cases
-    solved = {one.name: one for one in checked.plan.singles if one.elements is None}
-    chain = [solved[name] for name in THEORIES if name in solved]
-
-    def of(model: Named, case: Case) -> Floats:
-        return study.answers[case, model].frequencies[: study.count]
-
+    exact = {one.name: one for one in checked.plan.singles if one.elements is None}
+    chain = [exact[name] for name in THEORIES if name in exact]
     for stiff, soft in pairwise(chain):
         found = []
         for case in study.complete(stiff, soft):
-            bound = precision(soft, case.mechanism, case.pose, study.count)
-            found.append((case.name, np.maximum(of(soft, case) / of(stiff, case) - 1, 0), bound))
+            off = np.maximum(solved(study, case, soft) / solved(study, case, stiff) - 1, 0)
+            found.append((case.name, off, rounding(case, soft)))
         yield from worst(f"{stiff.name} above {soft.name}", label(soft), found, "no excess")
-    if not {*THEORIES[-2:]} <= solved.keys():
+    if not {*THEORIES[-2:]} <= exact.keys():
         return
     without, sheared = chain[-2:]
-    found = []
+    stiffest, found = Named(sheared.name, None, (("shear", STIFF),)), []
     for case in study.complete(without, sheared):
-        own = case.mechanism, case.pose
-        rigid = answer(bench, Named(sheared.name, None, (("shear", STIFF),)), *own, study.count)
-        assert rigid is not None, "it runs in this process"
+        f = solved(study, case, without)
+        off = relative(answer(bench, stiffest, case.mechanism, case.pose, MODES), f)
         kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
         # The effect falls in proportion to 1 / kappa, or faster.
-        effect = 2 * (of(without, case) / of(sheared, case) - 1) * kappa / STIFF
-        bound = precision(without, *own, study.count) + effect
-        found.append((case.name, relative(rigid, of(without, case)), bound))
+        effect = 2 * (f / solved(study, case, sheared) - 1) * kappa / STIFF
+        found.append((case.name, off, rounding(case, without) + effect))
     yield from worst(f"kappa -> infinity is {without.name}", label(sheared), found, "1/kappa")
 
 
@@ -182,10 +177,9 @@ def _massless(checked: Checked, bench: Bench) -> Iterator[Property]:
         for case in checked.cases.complete(model):
             springs, shares = _springs(_theory(model), case)
             f = answer(bench, model, *light(case.mechanism, case.pose), len(springs))
-            deviation = np.full(len(springs), np.inf) if f is None else relative(f, springs)
             # By Rayleigh's quotient: a limb moves no more than its end.
             bound = precision(model, case.mechanism, case.pose, len(springs)) + LIGHT * shares / 2
-            found.append((case.name, deviation, bound))
+            found.append((case.name, relative(f, springs), bound))
         yield from worst("limbs without mass", label(model), found, "the mass left")
 
 
@@ -217,48 +211,40 @@ def _springs(theory: Theory, case: Case) -> tuple[Floats, float]:
 
 def _exact_counts(checked: Checked) -> Iterator[Property]:
     """No mode missing, none too many: Wittrick and Williams count as many as were found."""
-    study = checked.cases
+    study, number = checked.cases, np.arange(1, MODES + 1)
     for model in _exact(checked):
-        theory, found = _continuum(model), []
+        found = []
         for case in study.complete(model):
-            f = study.answers[case, model].frequencies[: study.count]
-            number = np.arange(1, study.count + 1)
-            below = np.array([_count(theory, case, one * (1 - BESIDE)) for one in f.tolist()])
-            upto = np.array([_count(theory, case, one * (1 + BESIDE)) for one in f.tolist()])
+            f = solved(study, case, model)
+            below, upto = (
+                np.array([_count(model, case, one * (1 + side)) for one in f.tolist()])
+                for side in (-BESIDE, BESIDE)
+            )
             # The k-th mode: fewer than k below it, at least k up to it; free motion has no below.
-            below = np.where(f > 0, below, 0)
-            off = np.maximum(below - (number - 1), np.where(f > 0, number - upto, 0))
-            found.append((case.name, np.maximum(off, 0.0), np.full(study.count, 0.5)))
+            off = np.maximum(below - (number - 1), number - upto) * (f > 0)
+            found.append((case.name, np.maximum(off, 0.0), np.full(MODES, 0.5)))
         yield from worst("Wittrick-Williams count", label(model), found, "modes")
 
 
 def _mesh_counts(checked: Checked) -> Iterator[Property]:
     """The finest mesh has as many modes below its widest gap as its theory has."""
     study = checked.cases
-    for ladder in checked.plan.ladders:
-        model = ladder[-1]
-        if model.limit() is None:
-            continue
-        theory, found = _continuum(model), []
-        for case in study.complete(model):
-            seen = counted(study.answers[case, model].frequencies, study.count)
-            expected = _count(theory, case, seen.cut)
+    for *_, model in checked.plan.ladders:
+        found = []
+        for case in study.complete(model) if model.limit() is not None else ():
+            seen = counted(study.answers[case, model].frequencies, MODES)
+            expected = _count(model, case, seen.cut)
             if not model.info().torsion:
                 expected -= _twisting(case, seen.cut)
-            off = np.array([abs(expected - seen.number)], dtype=float)
-            found.append((case.name, off, np.array([0.5])))
+            found.append((case.name, np.array([abs(expected - seen.number)]), np.array([0.5])))
         yield from worst("modes counted on the finest mesh", label(model), found, "modes")
 
 
-def _continuum(model: Named) -> Continuum:
+def _count(model: Named, case: Case, frequency: float) -> int:
+    """Return how many modes of a model's theory lie below a frequency [Hz]."""
     theory = _theory(model)
-    return Continuum(theory.beam, theory.shear)
-
-
-def _count(theory: Continuum, case: Case, frequency: float) -> int:
-    if frequency <= 0:
-        return 0
-    return theory.count_below(case.mechanism, case.pose, frequency)
+    continuum = Continuum(theory.beam, theory.shear)
+    return 0 if frequency <= 0 else continuum.count_below(case.mechanism, case.pose, frequency)
 
 
 def _twisting(case: Case, frequency: float) -> int:
