@@ -1,14 +1,16 @@
-"""`rps-bench check`: the gate. What moved since the accepted figures, and what must always hold."""
+"""The gate's commands: `check` says what moved, and `accept` takes it as what is expected."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from harness.cli import flags
+from harness.cli.reproduce import LATEST
 from harness.cli.terminal import Bar, show_tables
 
 if TYPE_CHECKING:
@@ -18,37 +20,35 @@ if TYPE_CHECKING:
     from harness.gate.report import Report
     from harness.gate.timing_watch import Timing
 
-BASELINE = "results/accepted/baseline"
+ACCEPTED = "results/accepted"
+BASELINE = f"{ACCEPTED}/baseline"
 FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
 """What --output writes, by the option that writes it elsewhere."""
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What a check is asked for: the `plan`, where the baseline is (None: nowhere) and what it is.
-
-    `baseline` is None where there is none.
-    """
-
-    plan: "Plan"
-    folder: Path | None
-    baseline: "Baseline | None"
+def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that both commands have."""
+    for option in (
+        flags.time_limit(),
+        flags.history(),
+        click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose."),
+        flags.option("models", "A,B", "These models only, by name."),
+        flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE} without "
+                     "--case-file, where a folder of your own is needed."),
+        flags.option("case_file", *flags.FLAGS["case_file"]),
+    ):  # fmt: skip
+        command = option(command)
+    return command
 
 
 @click.command()
-@flags.option("case_file", *flags.FLAGS["case_file"])
-@flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE} without "
-              "--case-file, where a folder of your own is needed.")  # fmt: skip
-@flags.option("models", "A,B", "These models only, by name.")
-@click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose.")
+@_gate
 @flags.option("compare", "A,B",
               "Instead: --models in environments A and B, as in mujoco==3.17.0.")  # fmt: skip
 @flags.output()
 @flags.option("json", "FILE", "Everything, for programs.")
 @flags.option("markdown", "FILE", "A summary as GitHub-flavoured Markdown.")
 @flags.option("junit", "FILE", "JUnit XML.")
-@flags.history()
-@flags.time_limit()
 def check(
     case_file: str | None,
     baseline: str | None,
@@ -66,29 +66,94 @@ def check(
     frequencies, shapes, mode counts, orders and seconds with the baseline; and checks what needs
     none: symmetries, units, limits, agreement. `rps-bench accept` takes what was found.
     """
+    from analytic import InputError
     from harness.bench import Bench
     from harness.gate.report import FORMS
-    from harness.output import write_all
+    from harness.output import check_file, write_all
 
     if compare is not None:
-        from analytic import InputError
-
         if case_file or baseline or quick or any(files.values()):
             raise InputError("compare", compare, "no option beside it but --models and --output")
         return _compare(compare, models, output, time_limit)
-    targets = _targets(output, files)
-    asked = asks(case_file, baseline, models, quick=quick)
+    targets = [] if output is None else [(form, output / name) for form, name in FILES.items()]
+    targets += [(form, check_file(text, form)) for form, text in files.items() if text is not None]
+    asked = _asked(case_file, baseline, models, quick=quick)
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report, _ = looked(asked, bench, history)
+        report, _ = _look(asked, bench, history)
     for form, path in targets:
         write_all(path.parent, {path.name: FORMS[form](report)})
-    display(report)
+    _display(report)
     for _, path in targets:
         click.echo(f"wrote {path}")
     return 0 if report.passed else 1
 
 
-def asks(
+@click.command()
+@flags.option("reason", "TEXT", "Why something is accepted that lowers the bar.")
+@flags.option("latest", "DIR", f"Tables and figures to accept, or none; default {LATEST}, without "
+              "--case-file.")  # fmt: skip
+@_gate
+def accept(
+    reason: str | None,
+    latest: str | None,
+    case_file: str | None,
+    baseline: str | None,
+    models: str | None,
+    quick: bool,
+    history: Path | None,
+    time_limit: float,
+) -> int:
+    """Take results/latest as what README shows, and what a check finds as what the gate expects.
+
+    Tolerances only tighten, unless a reason is given; it is kept. Figures of models that cannot run
+    here stay. With --case-file it makes and keeps a baseline of your own mechanism.
+    """
+    from analytic import InputError
+    from harness.accepted import files
+    from harness.bench import Bench
+    from harness.gate.files import save
+    from harness.gate.gate import NotAcceptedError, accepted
+    from harness.output import write_all
+
+    asked = _asked(case_file, baseline, models, quick=quick, new=True)
+    if asked.folder is None:
+        raise InputError("baseline", baseline, "a folder to accept figures into")
+    if reason is not None and not reason.strip():
+        raise InputError("reason", reason, "words")
+    source = (LATEST if case_file is None else "none") if latest is None else latest
+    shown = {} if source == "none" else files(Path(source))
+    with Bar() as bar, Bench(time_limit, bar) as bench:
+        report, checked = _look(asked, bench, history)
+        try:
+            new: Baseline | None = accepted(report, checked, bench, reason or "")
+        except (NotAcceptedError, InputError) as error:
+            new, refused = None, flags.dashed(str(error))
+    if new is None:
+        _display(report)
+        click.echo(f"rps-bench: {refused}", err=True)
+        return 1
+    save(asked.folder, new)
+    if shown:
+        write_all(Path(ACCEPTED), shown)
+    _display(report)
+    before = 0 if asked.baseline is None else len(asked.baseline.reasons)
+    click.echo(f"accepted into {asked.folder}/: {len(report.now.modes)} frequencies, "
+               f"{len(new.reasons) - before} with a reason")  # fmt: skip
+    if shown:
+        click.echo(f"accepted into {ACCEPTED}/: {', '.join(shown)}")
+    return 0
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked for: the `plan`, the baseline's `folder` and what is in it; None: nothing."""
+
+    plan: "Plan"
+    folder: Path | None
+    baseline: "Baseline | None"
+
+
+def _asked(
     case_file: str | None,
     baseline: str | None,
     models: str | None,
@@ -121,7 +186,7 @@ def asks(
     return Asked(standard(cases, names, quick=quick), folder, known)
 
 
-def looked(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report", "Checked"]:
+def _look(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report", "Checked"]:
     """Solve and compare; this run is in the history that its seconds are compared with."""
     from harness.gate import gate
     from harness.gate.plan import solve
@@ -146,7 +211,7 @@ def looked(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report"
     return replace(report, about={**report.about, "seconds": seconds}), checked
 
 
-def display(report: "Report") -> None:
+def _display(report: "Report") -> None:
     """Print how much was compared, what moved, and the outcome."""
     tables = report.tables()
     show_tables(*(tables[ending] for ending in ("", "-findings") if ending in tables))
@@ -164,21 +229,10 @@ def _compare(text: str, models: str | None, output: Path | None, limit: float) -
 
     both = requirements(text)
     named = study(*both, None if models is None else split("models", models))
-    cases = chosen(None, None, PAPER_CASES)
     with Bar() as bar:
-        table = compare(*both, cases, named, limit=limit, listener=bar)
+        table = compare(*both, chosen(None, None, PAPER_CASES), named, limit=limit, listener=bar)
     paths = write_all(output, table.files("environments")) if output is not None else []
     show_tables(table)
     for path in paths:
         click.echo(f"wrote {path}")
     return 0
-
-
-def _targets(output: Path | None, files: dict[str, str | None]) -> list[tuple[str, Path]]:
-    """Return form and path of every file to write."""
-    from harness.output import check_file
-
-    found = [] if output is None else [(form, output / name) for form, name in FILES.items()]
-    return found + [
-        (form, check_file(text, form)) for form, text in files.items() if text is not None
-    ]

@@ -18,7 +18,7 @@ OTHERS = {
         "reproduce:reproduce",
         "Run every study and write the page, into results/latest.",
     ),
-    "accept": ("accept:accept", "Take results/latest as what README shows and the gate expects."),
+    "accept": ("check:accept", "Take results/latest as what README shows and the gate expects."),
     "sweep": (
         "sweep:sweep",
         "Solve any poses by any models, on all cores or a cluster; resumable.",

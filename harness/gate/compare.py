@@ -17,6 +17,7 @@ from harness.gate.properties import Property
 from harness.gate.ratchet import SHAPE, Baseline
 from harness.gate.timing_watch import Timing
 from harness.rows import GATE
+from harness.workers import Failure
 from reference_models import parse
 
 FAILED, BETTER, NOTED = "failed", "better", "noted"
@@ -206,7 +207,11 @@ def failures(checked: Checked) -> list[Finding]:
         (case.name, label(model)): why
         for study in checked.studies
         for (case, model), why in study.failures.items()
-    } | {(GATE, label(model)): why for model, why in checked.failures.items()}
+    } | {
+        (GATE, label(model)): one.reason
+        for model, one in checked.batches.items()
+        if isinstance(one, Failure)
+    }
     return gone + [
         Finding("failure", model, case, None, "answer", cause=why)
         for (case, model), why in failed.items()

@@ -64,16 +64,15 @@ class Batch:
 
 @dataclass(frozen=True)
 class Checked:
-    """What a plan gave: modes at the `cases`, modes over the `workspace`, `batches` by model.
+    """What a plan gave: modes at the `cases` and over the `workspace`, `batches` by model.
 
-    `failures` of batches, by model; tidy `rows` for the history.
+    `rows`: tidy, for the history.
     """
 
     plan: Plan
     cases: Study
     workspace: Study
-    batches: Mapping[Model, Batch]
-    failures: Mapping[Model, str]
+    batches: Mapping[Model, Batch | Failure]
     rows: list[dict[str, Any]]
 
     @property
@@ -153,31 +152,26 @@ def solve(plan: Plan, bench: Bench) -> Checked:
     cases = bench.run(plan.cases, plan.everywhere, MODES)
     machine.append(yardstick())
     workspace = bench.run(plan.poses, plan.mapped, MODES)
-    batches: dict[Model, Batch] = {}
-    failures: dict[Model, str] = {}
-    for model in plan.mapped if plan.poses else ():
-        if not model.info().isolated:  # what runs in this process takes many poses a call
-            found = attempt(BatchTask(model, plan.poses))
-            if isinstance(found, Batch):
-                batches[model] = found
-            else:
-                assert isinstance(found, Failure), "or what the task gives"
-                failures[model] = found.reason
+    batches: dict[Model, Batch | Failure] = {
+        model: batch(model, plan.poses)
+        for model in (plan.mapped if plan.poses else ())
+        if not model.info().isolated  # what runs in this process takes many poses a call
+    }
     machine.append(yardstick())
     rows = cases.rows() + [row | {"case": GATE} for row in workspace.rows()]
     rows += [  # how long a model takes for a pose among many
         {"case": GATE, "model": f"{label(model)}, many poses a call", "mode": 1,
-         "z_m": plan.poses[0].pose.z, "frequency_hz": float(batch.table[0, 0]), "build_s": 0.0,
-         "solve_s": batch.seconds}
-        for model, batch in batches.items()
+         "z_m": plan.poses[0].pose.z, "frequency_hz": float(one.table[0, 0]), "build_s": 0.0,
+         "solve_s": one.seconds}
+        for model, one in batches.items() if isinstance(one, Batch)
     ]  # fmt: skip
     rows.append(yardstick_row(machine))
-    return Checked(plan, cases, workspace, batches, failures, rows)
+    return Checked(plan, cases, workspace, batches, rows)
 
 
 @dataclass(frozen=True)
 class BatchTask:
-    """The whole map by one model in one call."""
+    """Many poses by one model in one call."""
 
     model: Model
     cases: tuple[Case, ...]
@@ -191,3 +185,10 @@ class BatchTask:
         began = time.perf_counter()
         table = self.model.frequencies(mechanism, many, MODES)
         return Batch(table, (time.perf_counter() - began) / len(poses))
+
+
+def batch(model: Model, cases: tuple[Case, ...]) -> Batch | Failure:
+    """Return what a model gives for all `cases` in one call."""
+    found = attempt(BatchTask(model, cases))
+    assert isinstance(found, (Batch, Failure)), "what the task gives"
+    return found

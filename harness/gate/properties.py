@@ -17,9 +17,8 @@ from analytic.multipliers import null_space
 from harness.bench import Bench, Study, label
 from harness.cases import Case
 from harness.gate.equivalents import UNITS, answer, relative, restated
-from harness.gate.plan import MODES, BatchTask, Checked
+from harness.gate.plan import MODES, Batch, Checked, batch
 from harness.presets import TWINS
-from harness.workers import attempt
 
 Floats = NDArray[np.float64]
 BATCH = 1e-9
@@ -183,21 +182,25 @@ def _twins(checked: Checked, bench: Bench) -> Iterator[Property]:
 
 def _batches(checked: Checked) -> Iterator[Property]:
     """Many poses a call, against the same model pose by pose."""
-    tables = [
-        ("map", checked.workspace, model, checked.workspace.cases, batch.table)
-        for model, batch in checked.batches.items()
+    space, study = checked.workspace, checked.cases
+    asked = [
+        ("map", space, model, case, f)
+        for model, many in checked.batches.items()
+        if isinstance(many, Batch)
+        for case, f in zip(space.cases, many.table, strict=True)
+        if (case, model) in space.answers
     ]
-    for model in checked.cases.models:
+    for model in study.models:
         if model.elements in (3, None) and not model.info().isolated:
-            some = checked.cases.complete(model)
-            rows = [getattr(attempt(BatchTask(model, (case,))), "table", None) for case in some]
-            table = np.array([np.full(MODES, np.inf) if row is None else row[0] for row in rows])
-            tables.append(("cases", checked.cases, model, some, table))
-    for where, study, model, cases, table in tables:
-        found = []
-        for case, f in zip(cases, table, strict=True):
-            if (case, model) in study.answers:
-                off = np.nan_to_num(relative(f, solved(study, case, model)), nan=np.inf)
-                found.append((case.name, off, BATCH + rounding(case, model)))
+            for case in study.complete(model):
+                one = batch(model, (case,))
+                f = one.table[0] if isinstance(one, Batch) else np.full(MODES, np.inf)
+                asked.append(("cases", study, model, case, f))
+    found: dict[tuple[str, Model], list[Found]] = {}
+    for where, of, model, case, f in asked:
+        off = np.nan_to_num(relative(f, solved(of, case, model)), nan=np.inf)
+        bound = BATCH + rounding(case, model)
+        found.setdefault((where, model), []).append((case.name, off, bound))
+    for (where, model), some in found.items():
         name = f"many poses a call, {where}"
-        yield from worst(name, label(model), found, "the batch solver's 1e-9")
+        yield from worst(name, label(model), some, "the batch solver's 1e-9")
