@@ -1,7 +1,7 @@
 """The gate's commands: `check` says what moved, and `accept` takes it as what is expected."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
@@ -50,15 +50,11 @@ def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
 @flags.option("markdown", "FILE", "A summary as GitHub-flavoured Markdown.")
 @flags.option("junit", "FILE", "JUnit XML.")
 def check(
-    case_file: str | None,
-    baseline: str | None,
-    models: str | None,
-    quick: bool,
     compare: str | None,
     output: Path | None,
     history: Path | None,
     time_limit: float,
-    **files: str | None,
+    **texts: Any,
 ) -> int:
     """Compare with the accepted figures; exit status 1 if anything moved.
 
@@ -71,15 +67,17 @@ def check(
     from harness.gate.report import FORMS
     from harness.output import check_file, write_all
 
+    files = {form: texts.pop(form) for form in FILES}
     if compare is not None:
-        if case_file or baseline or quick or any(files.values()):
+        models = texts.pop("models")
+        if any(texts.values()) or any(files.values()):
             raise InputError("compare", compare, "no option beside it but --models and --output")
         return _compare(compare, models, output, time_limit)
     targets = [] if output is None else [(form, output / name) for form, name in FILES.items()]
     targets += [(form, check_file(text, form)) for form, text in files.items() if text is not None]
-    asked = _asked(case_file, baseline, models, quick=quick)
+    plan, _, known = _asked(**texts)
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report, _ = _look(asked, bench, history)
+        report, _ = _look(plan, known, bench, history)
     for form, path in targets:
         write_all(path.parent, {path.name: FORMS[form](report)})
     _display(report)
@@ -96,12 +94,9 @@ def check(
 def accept(
     reason: str | None,
     latest: str | None,
-    case_file: str | None,
-    baseline: str | None,
-    models: str | None,
-    quick: bool,
     history: Path | None,
     time_limit: float,
+    **texts: Any,
 ) -> int:
     """Take results/latest as what README shows, and what a check finds as what the gate expects.
 
@@ -115,15 +110,16 @@ def accept(
     from harness.gate.gate import NotAcceptedError, accepted
     from harness.output import write_all
 
-    asked = _asked(case_file, baseline, models, quick=quick, new=True)
-    if asked.folder is None:
-        raise InputError("baseline", baseline, "a folder to accept figures into")
+    plan, folder, known = _asked(**texts, new=True)
+    if folder is None:
+        raise InputError("baseline", texts["baseline"], "a folder to accept figures into")
     if reason is not None and not reason.strip():
         raise InputError("reason", reason, "words")
-    source = (LATEST if case_file is None else "none") if latest is None else latest
+    usual = LATEST if texts["case_file"] is None else "none"
+    source = usual if latest is None else latest
     shown = {} if source == "none" else files(Path(source))
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report, checked = _look(asked, bench, history)
+        report, checked = _look(plan, known, bench, history)
         try:
             new: Baseline | None = accepted(report, checked, bench, reason or "")
         except (NotAcceptedError, InputError) as error:
@@ -132,36 +128,22 @@ def accept(
         _display(report)
         click.echo(f"rps-bench: {refused}", err=True)
         return 1
-    save(asked.folder, new)
+    save(folder, new)
     if shown:
         write_all(Path(ACCEPTED), shown)
     _display(report)
-    before = 0 if asked.baseline is None else len(asked.baseline.reasons)
-    click.echo(f"accepted into {asked.folder}/: {len(report.now.modes)} frequencies, "
+    before = 0 if known is None else len(known.reasons)
+    click.echo(f"accepted into {folder}/: {len(report.now.modes)} frequencies, "
                f"{len(new.reasons) - before} with a reason")  # fmt: skip
     if shown:
         click.echo(f"accepted into {ACCEPTED}/: {', '.join(shown)}")
     return 0
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is asked for: the `plan`, the baseline's `folder` and what is in it; None: nothing."""
-
-    plan: "Plan"
-    folder: Path | None
-    baseline: "Baseline | None"
-
-
 def _asked(
-    case_file: str | None,
-    baseline: str | None,
-    models: str | None,
-    *,
-    quick: bool,
-    new: bool = False,
-) -> Asked:
-    """Return what the texts ask for; `new`: where a baseline may be made.
+    case_file: str | None, baseline: str | None, models: str | None, quick: bool, new: bool = False
+) -> tuple["Plan", Path | None, "Baseline | None"]:
+    """Return the plan, the baseline's folder and what is in it; `new`: where one may be made.
 
     Raises `InputError` naming the argument that is wrong, before anything is solved.
     """
@@ -183,10 +165,12 @@ def _asked(
         expected = "a folder of accepted figures (rps-bench accept makes one), or none"
         raise InputError("baseline", text, expected)
     names = None if models is None else split("models", models)
-    return Asked(standard(cases, names, quick=quick), folder, known)
+    return standard(cases, names, quick=quick), folder, known
 
 
-def _look(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report", "Checked"]:
+def _look(
+    plan: "Plan", known: "Baseline | None", bench: "Bench", history: Path | None
+) -> tuple["Report", "Checked"]:
     """Solve and compare; this run is in the history that its seconds are compared with."""
     from harness.gate import gate
     from harness.gate.plan import solve
@@ -198,15 +182,15 @@ def _look(asked: Asked, bench: "Bench", history: Path | None) -> tuple["Report",
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         **provenance(),
     }
-    checked = solve(asked.plan, bench)
+    checked = solve(plan, bench)
     timed: list[Timing] = []
     notes: list[str] = []
     if history is not None:
         from harness.history.store import append
 
         append(history, checked.rows, flags.as_typed())
-        timed, notes = gate.watched(history, checked, asked.baseline, str(said["machine"]))
-    report = gate.look(checked, bench, asked.baseline, timed, said, notes)
+        timed, notes = gate.watched(history, checked, known, str(said["machine"]))
+    report = gate.look(checked, bench, known, timed, said, notes)
     seconds = round(perf_counter() - began, 1)
     return replace(report, about={**report.about, "seconds": seconds}), checked
 

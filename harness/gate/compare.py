@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -57,10 +56,6 @@ class Finding:
         if self.kind in ("frequency", "uncertainty", "timing") and self.before:
             return self.after / self.before - 1
         return self.after - self.before
-
-    def record(self) -> dict[str, Any]:
-        """Return the finding as JSON has it."""
-        return asdict(self)
 
 
 KINDS = ("frequency", "uncertainty", "shape", "mode count", "order", "missing", "property",
@@ -170,9 +165,10 @@ def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:
 def _closer(before: Measured, now: Measured, key: Key) -> bool:
     """Return whether a frequency came closer to the exact limit of its model's theory."""
     case, model, _ = key
-    old, new = before.modes[key], now.modes[key]
+    old, new, limit = before.modes[key], now.modes[key], parse(model, "model").limit()
+    exact = None if limit is None else label(limit)
     for (where, other, _), one in before.modes.items():
-        if (where, other, one.partner) == (case, now.limits.get(model), old.partner):
+        if (where, other, one.partner) == (case, exact, old.partner):
             return abs(new.frequency - one.frequency) < abs(old.frequency - one.frequency)
     return False
 

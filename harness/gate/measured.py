@@ -2,16 +2,17 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, fields
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Modes
 from analytic.pairing import pair
-from harness.bench import SPARE, Bench, Study, label
+from harness.bench import SPARE, Bench, label
 from harness.cases import Case
-from harness.gate.plan import MODES, Checked
-from harness.rows import GATE, mechanism_hash
+from harness.gate.plan import MODES, Checked, group
+from harness.rows import mechanism_hash
 from harness.studies.refinement import MESHES, verify
 from harness.workers import Failure
 from reference_models import Named
@@ -73,8 +74,7 @@ class Measured:
 
     Attributes: `modes`, `uncertainties` [Hz] of models that state them, `counts`, `orders`;
     `sources` by label; `mechanisms`, their hashes, by case. Only where just measured: `found`, by
-    place, the assurance with which each of the anchor's modes is among the model's; `limits`, by
-    label, what the exact model of the same theory is called.
+    place, the assurance with which each of the anchor's modes is among the model's.
     """
 
     modes: dict[Key, Shaped] = field(default_factory=dict)
@@ -84,7 +84,6 @@ class Measured:
     sources: dict[str, Source] = field(default_factory=dict)
     mechanisms: dict[str, str] = field(default_factory=dict)
     found: dict[Place, NDArray[np.float64]] = field(default_factory=dict)
-    limits: dict[str, str] = field(default_factory=dict)
 
     @property
     def places(self) -> dict[Place, None]:
@@ -135,42 +134,39 @@ def measure(checked: Checked, bench: Bench) -> Measured:
     """Return what a check compares, out of all that was solved."""
     result = Measured()
     for study in checked.studies:
-        for case in study.cases if study.models else ():
-            own = case.mechanism, case.pose
-            anchor = bench.solve(ANCHOR, *own, study.count + SPARE)
-            if isinstance(anchor, Failure):
+        for case, model in product(study.cases, study.models):
+            modes = study.get(case, model)
+            if modes is None:
                 continue
-            for model in study.models:
-                modes = study.get(case, model)
-                if modes is not None:
-                    _add(result, study.count, case, label(model), modes, anchor)
-    for model in (*checked.plan.everywhere, *checked.plan.mapped):
-        limit = model.limit()
-        if limit is not None and limit != model:
-            result.limits[label(model)] = label(limit)
-    for study, name in ((checked.cases, ""), (checked.workspace, GATE)):
-        for case, _ in study.answers:
-            result.mechanisms[name or case.name] = mechanism_hash(case.mechanism)
+            result.mechanisms[group(case.name)] = mechanism_hash(case.mechanism)
+            anchor = bench.solve(ANCHOR, case.mechanism, case.pose, MODES + SPARE)
+            if not isinstance(anchor, Failure):
+                _add(result, case, label(model), modes, anchor)
     for ladder in checked.plan.ladders:
-        if len(ladder) >= MESHES:
-            _orders(result, checked.cases, ladder)
+        last = ladder[-MESHES:]
+        elements = tuple(n for model in last if isinstance(n := model.elements, int))
+        formal = ladder[0].info().order
+        for case in checked.cases.complete(*last) if len(last) == MESHES else ():
+            for i in range(1, MODES + 1):
+                values = result.followed(case.name, [label(model) for model in last], i)
+                p = verify(elements, values.tolist(), formal).order
+                if np.isfinite(p):
+                    result.orders[case.name, ladder[0].name, i] = Order(p, elements, formal)
     return result
 
 
-def _add(
-    result: Measured, count: int, case: Case, model: str, modes: Modes, anchor: Modes
-) -> None:  # fmt: skip
+def _add(result: Measured, case: Case, model: str, modes: Modes, anchor: Modes) -> None:
+    """Take in the modes of one model at one case, and what they look like."""
     where = case.name, model
     result.sources[model] = Source(modes.theory, modes.version)
-    seen = pair(modes.first(count), anchor, case.mechanism, case.pose)
-    for i in range(count):
-        partner, like = int(seen.partner[i]), seen.matrix[i]
+    seen = pair(modes.first(MODES), anchor, case.mechanism, case.pose)
+    for i, (partner, like) in enumerate(zip(seen.partner.tolist(), seen.matrix, strict=True)):
         shaped = Shaped(float(modes.frequencies[i]), partner + 1, float(like[partner]), like)
         result.modes[*where, i + 1] = shaped
         if modes.uncertainty is not None:
             result.uncertainties[*where, i + 1] = float(modes.uncertainty[i])
-    result.counts[where] = counted(modes.frequencies, count)
-    back = pair(anchor.first(count), modes, case.mechanism, case.pose)
+    result.counts[where] = counted(modes.frequencies, MODES)
+    back = pair(anchor.first(MODES), modes, case.mechanism, case.pose)
     result.found[where] = back.assurance
 
 
@@ -186,15 +182,3 @@ def counted(f: NDArray[np.float64], count: int) -> Count:
     gaps[:2] = 0.0
     number = 1 + int(gaps.argmax())
     return Count(float(np.sqrt(f[number - 1] * f[number])), number, f)
-
-
-def _orders(result: Measured, study: Study, ladder: Sequence[Named]) -> None:
-    last = ladder[-MESHES:]
-    elements = tuple(n for model in last if isinstance(n := model.elements, int))
-    formal = ladder[0].info().order
-    for case in study.complete(*last):
-        for i in range(1, study.count + 1):
-            values = result.followed(case.name, [label(model) for model in last], i)
-            p = verify(elements, values.tolist(), formal).order
-            if np.isfinite(p):
-                result.orders[case.name, ladder[0].name, i] = Order(p, elements, formal)

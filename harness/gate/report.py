@@ -78,7 +78,7 @@ class Report(Result):
         import pandas as pd
 
         names = list(Finding.__dataclass_fields__)
-        return pd.DataFrame([one.record() for one in self.findings], columns=names)
+        return pd.DataFrame([vars(one) for one in self.findings], columns=names)
 
     def tables(self) -> dict[str, Table]:
         """Return how much was compared, what moved if anything did, properties and seconds."""
@@ -161,7 +161,7 @@ def as_json(report: Report) -> bytes:
         "summary": report.outcome,
         **report.about,
         "checked": report.checked,
-        "findings": [one.record() | {"of": of} for one, of in condense(report.findings)],
+        "findings": [vars(one) | {"of": of} for one, of in condense(report.findings)],
         "properties": [vars(one) | {"holds": one.holds} for one in report.held],
         "timings": [
             {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
