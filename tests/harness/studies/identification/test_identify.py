@@ -216,6 +216,9 @@ def test_readings_of_table_1():
     assert best(1, False).rms == pytest.approx(0.0198, abs=5e-4)
     assert best(1, True).rms == pytest.approx(0.0050, abs=2e-4)
     assert best(1, True).problem.names == ("z_mm",)
+    # Ten different values; z and the noise are two parameters.
+    expected = 10 * np.log(best(1, True).rms ** 2) + 2 * 2 + 2 * 2 * 3 / (10 - 2 - 1)
+    assert best(1, True).criterion == pytest.approx(expected)
     assert best(2, False).rms < 0.006
     assert best(2, False).fitted["base_radius_mm"] < 150  # a base half as wide as the platform
     assert simplest(ranked).problem.names == ("z_mm",)
