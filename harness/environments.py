@@ -5,8 +5,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from analytic import Info, InputError, Modes
 from harness.answer import checked
@@ -71,29 +74,47 @@ def compare(
     tell.expect(2 * len(models))
     first, second = (_solve(one, cases, models, count, limit, tell) for one in (before, after))
     rows: list[tuple[Cell, ...]] = []
+    theories, missing = [], []
     for model in models:
         for case in cases:
             was, now = first[case, model], second[case, model]
-            if isinstance(was, Failure) or isinstance(now, Failure):
+            if isinstance(was, Modes) and isinstance(now, Modes):
+                rows += _rows(model, case, was, now)
+                if was.theory != now.theory:
+                    theories.append(
+                        f"{label(model)}: its theory is {was.theory} with {before} and "
+                        f"{now.theory} with {after}, so its differences are of the model, not of "
+                        "one version's numerics"
+                    )
                 continue
-            known = [m.uncertainty for m in (was, now) if m.uncertainty is not None]
-            for i, (f, g) in enumerate(zip(was.frequencies, now.frequencies, strict=True)):
-                own = max((float(one[i]) for one in known), default=0.0)
-                rows.append(
-                    (label(model), case.name, i + 1, Number(f, 4), Number(g, 4),
-                     Number(100 * (g / f - 1), 6, signed=True) if f else "-",
-                     Number(100 * own / f, 4) if known and f else "not known")
-                )  # fmt: skip
+            for one, other, here, there in ((before, after, was, now), (after, before, now, was)):
+                if isinstance(here, Failure):
+                    runs = "neither" if isinstance(there, Failure) else f"{other} only"
+                    missing.append(f"{label(model)} runs with {runs}: {one}: {here.reason}")
     columns = ("Model", "Case", "Mode", f"{before} [Hz]", f"{after} [Hz]", "Difference [%]",
                "Own uncertainty [%]")  # fmt: skip
-    notes = [
-        *_versions(before, first),
-        *_versions(after, second),
-        *_theories(before, after, first, second),
-        *_one_sided(before, after, first, second),
-        "modes are paired by order; own uncertainty is the simulator's estimate, the larger of two",
+    versions = [
+        f"{one}: {', '.join(sorted(ran)) or 'nothing ran'}"
+        for one, found in ((before, first), (after, second))
+        for ran in [{m.version for m in found.values() if isinstance(m, Modes)}]
     ]
-    return Table(f"{before} against {after}", columns, tuple(rows), tuple(dict.fromkeys(notes)))
+    last = (
+        "modes are paired by order; own uncertainty is the simulator's estimate, the larger of two"
+    )
+    notes = dict.fromkeys([*versions, *theories, *missing, last])
+    return Table(f"{before} against {after}", columns, tuple(rows), tuple(notes))
+
+
+def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[tuple[Cell, ...]]:
+    """Yield a row a mode."""
+    known = [m.uncertainty for m in (was, now) if m.uncertainty is not None]
+    own = np.max(known, axis=0) if known else None
+    for i, (f, g) in enumerate(zip(was.frequencies, now.frequencies, strict=True)):
+        yield (
+            label(model), case.name, i + 1, Number(f, 4), Number(g, 4),
+            Number(100 * (g / f - 1), 6, signed=True) if f else "-",
+            Number(100 * own[i] / f, 4) if own is not None and f else "not known",
+        )  # fmt: skip
 
 
 def _solve(
@@ -105,40 +126,37 @@ def _solve(
     tell: Listener,
 ) -> Answers:
     found: Answers = {}
-    children = Children(_launcher(requirement))
-    try:
+    with closing(Children(_launcher(requirement))) as children:
         for model in models:
             info = children.attempt(InfoTask(model), limit)
             for case in cases:
-                if not isinstance(info, Info):
-                    found[case, model] = info if isinstance(info, Failure) else Failure("no info")
-                    continue
-                task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
-                answer = children.attempt(task, limit)
-                if not isinstance(answer, Failure):
-                    try:
-                        whole = checked(answer, info, case.mechanism, case.pose, count + SPARE)
-                        answer = whole.first(count)
-                    except ModelError as error:
-                        answer = Failure(str(error))
-                found[case, model] = answer
+                found[case, model] = _modes(children, model, info, case, count, limit)
             tell.done(f"{label(model)} with {requirement}")
-    finally:
-        children.close()
     return found
+
+
+def _modes(
+    children: Children, model: Named, info: object, case: Case, count: int, limit: float
+) -> Modes | Failure:
+    if not isinstance(info, Info):
+        return info if isinstance(info, Failure) else Failure("no info")
+    task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
+    answer = children.attempt(task, limit)
+    if isinstance(answer, Failure):
+        return answer
+    try:
+        return checked(answer, info, case.mechanism, case.pose, task.count).first(count)
+    except ModelError as error:
+        return Failure(str(error))
 
 
 def _launcher(requirement: str) -> list[str]:
     """Return what runs Python with the requirement laid over this environment by uv."""
-    import numpy as np
-
     # What a simulator brings along must not change the arithmetic as well.
     kept = [] if _distribution(requirement) == "numpy" else [f"--with=numpy=={np.__version__}"]
     overlay = [_uv(), "run", "--quiet", "--no-project", "--python", sys.executable]
     command = [*overlay, *kept, f"--with={requirement}", "python"]
-    ended = subprocess.run(
-        [*command, "-c", "pass"], capture_output=True, text=True, check=False
-    )  # fmt: skip
+    ended = subprocess.run([*command, "-c", "pass"], capture_output=True, text=True, check=False)
     if ended.returncode:
         lines = [line.strip() for line in ended.stderr.splitlines() if line.strip()]
         told = [line for line in lines if line.startswith(("error:", "cause:"))] or lines
@@ -157,30 +175,3 @@ def _uv() -> str:
 
 def _distribution(requirement: str) -> str:
     return re.split(r"[^\w.-]", requirement.strip(), maxsplit=1)[0].lower()
-
-
-def _versions(requirement: str, answers: Answers) -> Iterator[str]:
-    ran = sorted({m.version for m in answers.values() if isinstance(m, Modes)})
-    yield f"{requirement}: {', '.join(ran) or 'nothing ran'}"
-
-
-def _theories(before: str, after: str, first: Answers, second: Answers) -> Iterator[str]:
-    for (case, model), was in first.items():
-        now = second[case, model]
-        if isinstance(was, Modes) and isinstance(now, Modes) and was.theory != now.theory:
-            yield (
-                f"{label(model)}: its theory is {was.theory} with {before} and {now.theory} with "
-                f"{after}, so its differences are of the model, not of one version's numerics"
-            )
-
-
-def _one_sided(before: str, after: str, first: Answers, second: Answers) -> Iterator[str]:
-    for one, other, here, there in (
-        (before, after, first, second),
-        (after, before, second, first),
-    ):
-        for (case, model), answer in here.items():
-            if isinstance(answer, Failure):
-                both = isinstance(there[case, model], Failure)
-                runs = "with neither" if both else f"with {other} only"
-                yield f"{label(model)} runs {runs}: {one}: {answer.reason}"

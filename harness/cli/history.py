@@ -1,6 +1,5 @@
 """`rps-bench history`: the runs so far: listed, filtered, asked in SQL, exported."""
 
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,56 +17,20 @@ SHOWN = 200
 """Rows a terminal shows; --export has them all."""
 FORMATS = (".csv", ".parquet", ".json")
 _RUNS = """
-SELECT run, time, any_value(command) AS command, any_value(commit) AS commit,
-  any_value(release) AS release, count(*) AS rows,
+SELECT run AS "Run", strftime(time, '%Y-%m-%d %H:%M:%S') AS "Time (UTC)",
+  ifnull(regexp_replace(any_value(command), '^rps-bench ', ''), '') AS "Command",
+  ifnull(regexp_replace(any_value(commit), '^([^-]{{12}})[^-]*', '\\1'), '') AS "Commit",
+  ifnull(any_value(release), '') AS "Release", count(*) AS "Rows",
   concat_ws(', ', any_value('python ' || python), any_value('numpy ' || numpy),
     any_value('scipy ' || scipy),
     string_agg(DISTINCT version, ', ' ORDER BY version)
-      FILTER (NOT regexp_matches(version, '^(rps-bench|numpy)'))) AS versions
+      FILTER (NOT regexp_matches(version, '^(rps-bench|numpy)'))) AS "Versions"
 FROM rows {where} GROUP BY run, time ORDER BY time, run
 """
 _BRIEF = (
     'run, "case", model, settings, mode, frequency_hz, uncertainty_hz, assurance, closure_m, dofs, '
     "build_s, solve_s, version"
 )
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """The filters as typed; what was left out is None."""
-
-    run: str | None
-    since: str | None
-    command: str | None
-    model: str | None
-    case: str | None
-    mode: str | None
-
-    def where(self) -> str:
-        """Return the WHERE clause."""
-        from harness.history.duck import quoted
-        from harness.text import MOST_MODES, numbers, split
-
-        def one_of(column: str, argument: str, text: str) -> str:
-            return f"{column} IN ({', '.join(map(quoted, split(argument, text)))})"
-
-        parts: list[str] = []
-        if self.run == "latest":
-            parts.append("run = (SELECT max_by(run, time) FROM rows)")
-        elif self.run is not None:
-            parts.append(f"starts_with(run, {quoted(self.run)})")
-        if self.since is not None:
-            parts.append(f"time >= {quoted(_utc(self.since))}::TIMESTAMP")
-        if self.command is not None:
-            parts.append(one_of("split_part(command, ' ', 2)", "command", self.command))
-        if self.model is not None:  # a bare name is that model with any elements
-            named = (one_of(c, "model", self.model) for c in ("model", "split_part(model, '@', 1)"))
-            parts.append(f"({' OR '.join(named)})")
-        if self.case is not None:
-            parts.append(one_of('"case"', "case", self.case))
-        if self.mode is not None:
-            parts.append(f"mode IN ({str(numbers('mode', self.mode, MOST_MODES))[1:-1]})")
-        return "WHERE " + " AND ".join(parts) if parts else ""
 
 
 @click.command()
@@ -90,13 +53,16 @@ def history(
     """
     from harness.cli.terminal import show_tables
     from harness.history.store import open_history
+    from harness.output import check_file
 
     if history is None:
         raise InputError("history", "none", "a folder to read runs from")
     if sql is not None and (as_rows or any(given.values())):
         raise InputError("sql", sql, "no filter beside it: it has a WHERE of its own")
-    target = _target(export)
-    where = Wanted(**given).where()
+    if export is not None and Path(export).suffix not in FORMATS:
+        raise InputError("export", export, f"a file that ends in one of {', '.join(FORMATS)}")
+    target = None if export is None else check_file(export, "export")
+    where = _where(given)
     past = open_history(history)
     notes = [f"skipped {path}: {why}" for path, why in past.skipped]
     if target is not None:
@@ -107,10 +73,39 @@ def history(
             click.echo(f"rps-bench: {note}", err=True)
     elif sql is not None or as_rows:
         asked = f"SELECT {_BRIEF} FROM rows {where}" if sql is None else sql
-        show_tables(_table(past.query(asked), history, notes))
+        show_tables(_table("Rows", past.query(asked), history, notes, SHOWN))
     else:
-        show_tables(_runs(past.query(_RUNS.format(where=where)), history, notes))
+        show_tables(_table("Runs", past.query(_RUNS.format(where=where)), history, notes))
     return 0
+
+
+def _where(given: dict[str, str | None]) -> str:
+    """Return the WHERE clause of the filters as typed; what was left out is None."""
+    from harness.history.duck import quoted
+    from harness.text import MOST_MODES, numbers, split
+
+    parts: list[str] = []
+    for name, text in given.items():
+        if text is None:
+            continue
+        if name == "run" and text == "latest":
+            parts.append("run = (SELECT max_by(run, time) FROM rows)")
+        elif name == "run":
+            parts.append(f"starts_with(run, {quoted(text)})")
+        elif name == "since":
+            parts.append(f"time >= {quoted(_utc(text))}::TIMESTAMP")
+        elif name == "mode":
+            parts.append(f"mode IN ({str(numbers(name, text, MOST_MODES))[1:-1]})")
+        else:
+            names = ", ".join(map(quoted, split(name, text)))
+            own = {
+                "command": "split_part(command, ' ', 2) IN ({0})",
+                # A bare name is that model with any elements.
+                "model": "(model IN ({0}) OR split_part(model, '@', 1) IN ({0}))",
+                "case": '"case" IN ({0})',
+            }
+            parts.append(own[name].format(names))
+    return "WHERE " + " AND ".join(parts) if parts else ""
 
 
 def _utc(text: str) -> str:
@@ -121,49 +116,19 @@ def _utc(text: str) -> str:
     return str(time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time)
 
 
-def _target(text: str | None) -> Path | None:
-    from harness.output import check_file
-
-    if text is None:
-        return None
-    if Path(text).suffix not in FORMATS:
-        raise InputError("export", text, f"a file that ends in one of {', '.join(FORMATS)}")
-    return check_file(text, "export")
-
-
-def _runs(found: "Answer", folder: Path, notes: list[str]) -> "Table":
+def _table(
+    title: str, found: "Answer", folder: Path, notes: list[str], most: int | None = None
+) -> "Table":
+    """Return the first `most` rows as a table."""
     from harness.tables import Table
 
-    columns = ("Run", "Time (UTC)", "Command", "Commit", "Release", "Rows", "Versions")
-    rows: list[tuple[Cell, ...]] = [
-        (
-            row["run"], f"{row['time']:%Y-%m-%d %H:%M:%S}",
-            (row["command"] or "").removeprefix("rps-bench "),
-            _short(row["commit"] or ""), row["release"] or "", row["rows"], row["versions"],
-        )
-        for row in found.rows()
-    ]  # fmt: skip
-    if not rows:
-        notes = [f"no runs found in {folder}/", *notes]
-    return Table("Runs", columns, tuple(rows), tuple(notes))
-
-
-def _short(commit: str) -> str:
-    revision, dash, dirty = commit.partition("-")
-    return revision[:12] + dash + dirty
-
-
-def _table(found: "Answer", folder: Path, notes: list[str]) -> "Table":
-    """Return the first `SHOWN` rows as a table."""
-    from harness.tables import Table
-
-    cells = tuple(tuple(map(_cell, row.values())) for row in found.rows(SHOWN))
-    height = len(found) if len(cells) == SHOWN else len(cells)
-    if height > SHOWN:
-        notes = [f"{height - SHOWN} more rows; --export FILE writes them all", *notes]
+    cells = tuple(tuple(map(_cell, row.values())) for row in found.rows(most))
+    height = len(found) if len(cells) == most else len(cells)
+    if height > len(cells):
+        notes = [f"{height - len(cells)} more rows; --export FILE writes them all", *notes]
     if not cells:
-        notes = [f"no rows found in {folder}/", *notes]
-    return Table("Rows", tuple(found.columns), cells, tuple(notes))
+        notes = [f"no {title.lower()} found in {folder}/", *notes]
+    return Table(title, tuple(found.columns), cells, tuple(notes))
 
 
 def _cell(value: Any) -> "Cell":

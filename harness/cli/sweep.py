@@ -2,10 +2,8 @@
 
 import shlex
 import tempfile
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -45,23 +43,7 @@ FORMS = ("parquet", "csv", "json")
 )  # fmt: skip
 @click.option("--dry-run", is_flag=True, help="Only say how many jobs there are, and how long.")
 @flags.history()
-def sweep(scheduler: str | None, cores: int | None, **given: Any) -> int:
-    """Solve any poses by any models: a row a pose, model and mode.
-
-    Finished jobs are kept in --output: the same command again computes only what is missing.
-    """
-    at_once = cores or all_cores()
-    with closing(Children()) as children:
-        if scheduler is None and at_once > 1:
-            children.start(1)  # it loads while this process does
-        return _session(children, at_once, scheduler, **given)
-
-
-def _session(
-    children: Children,
-    cores: int,
-    scheduler: str | None,
-    *,
+def sweep(
     poses: str,
     models: str,
     against: str | None,
@@ -71,47 +53,60 @@ def _session(
     case_file: str | None,
     output: Path | None,
     form: str,
+    cores: int | None,
+    scheduler: str | None,
     time_limit: float,
     tries: int,
     dry_run: bool,
     history: Path | None,
 ) -> int:
-    from harness import text
-    from harness.bench import label
-    from harness.case_file import load_cases
-    from harness.cases import select
-    from harness.cli.terminal import Bar, Written, show_tables
-    from harness.sweep.engine import Patience, engine
-    from harness.sweep.estimate import estimate
-    from harness.sweep.journal import NAME, Journal
-    from harness.sweep.pose_sets import pose_set
-    from harness.sweep.session import carry_out
-    from harness.sweep.sweep import Sweep
-    from reference_models import parse
+    """Solve any poses by any models: a row a pose, model and mode.
 
-    kappa = text.shear_coefficient(shear)
-    chosen = text.models(models, "models", **kappa)
-    reference = None if against is None else parse(against, "against", **kappa)
-    if reference is not None and set(chosen) == {reference}:
-        raise InputError("against", against, "a model that is not the only one of --models")
-    shown = text.numbers("modes", modes, text.MOST_MODES)
-    if form not in FORMS:
-        raise InputError("format", form, ", ".join(FORMS))
-    extra = load_cases(Path(case_file)) if case_file is not None else {}
-    (at,) = select([case], extra)
-    everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
-    study = Sweep(at.mechanism, pose_set(poses, at.mechanism), everything, max(shown))
-    usual = {"modes": "1-6", "case": "case1"}
-    same = {"modes": modes, "case": case, "case-file": case_file}
-    again = "".join(f" --{k} {shlex.quote(v)}" for k, v in same.items() if v and v != usual.get(k))
-    dry = dry_run and not (output and (output / NAME).exists())
-    processes = len(study.poses) * sum(model.info().isolated for model in everything)
+    Finished jobs are kept in --output: the same command again computes only what is missing.
+    """
     with ExitStack() as stack:
+        children = stack.enter_context(closing(Children()))
+        at_once = cores or all_cores()
+        if scheduler is None and at_once > 1:
+            children.start(1)  # it loads while this process does
+        from harness import text
+        from harness.bench import label
+        from harness.case_file import load_cases
+        from harness.cases import select
+        from harness.cli.terminal import Bar, Written, show_tables
+        from harness.sweep.engine import Patience, engine
+        from harness.sweep.journal import NAME, Journal
+        from harness.sweep.pose_sets import pose_set
+        from harness.sweep.session import carry_out
+        from harness.sweep.sweep import Sweep, estimate
+        from reference_models import parse
+
+        kappa = text.shear_coefficient(shear)
+        chosen = text.models(models, "models", **kappa)
+        reference = None if against is None else parse(against, "against", **kappa)
+        if reference is not None and set(chosen) == {reference}:
+            raise InputError("against", against, "a model that is not the only one of --models")
+        shown = text.numbers("modes", modes, text.MOST_MODES)
+        if form not in FORMS:
+            raise InputError("format", form, ", ".join(FORMS))
+        (at,) = select([case], load_cases(Path(case_file)) if case_file is not None else {})
+        everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
+        study = Sweep(at.mechanism, pose_set(poses, at.mechanism), everything, max(shown))
+        same = {"modes": (modes, "1-6"), "case": (case, "case1"), "case-file": (case_file, None)}
+        again = "".join(
+            f" --{name} {shlex.quote(str(value))}"
+            for name, (value, usual) in same.items()
+            if value != usual
+        )
+        processes = len(study.poses) * sum(model.info().isolated for model in everything)
         patience = Patience(time_limit, tries)
-        here = stack.enter_context(engine(cores, scheduler, patience, processes, children))
+        here = stack.enter_context(engine(at_once, scheduler, patience, processes, children))
         for model in everything:
             model.build()  # a program that is missing is said now
-        folder = stack.enter_context(_folder(None if dry else output))
+        if output is None or (dry_run and not (output / NAME).exists()):
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        else:
+            folder = output
         journal = stack.enter_context(Journal(folder))
         if dry_run:
             show_tables(estimate(study, journal, here))
@@ -126,13 +121,3 @@ def _session(
         show_tables(*(t for name, t in found.made.items() if t.rows or name != "failures"))
         Written(found.files if output is not None else (), {}).say()
     return 1 if found.lacking else 0
-
-
-@contextmanager
-def _folder(output: Path | None) -> Iterator[Path]:
-    """Yield the folder to work in: a passing one where nothing is to be kept."""
-    if output is not None:
-        yield output
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        yield Path(folder)

@@ -56,7 +56,8 @@ def sink(
         )
         ((height,),) = told.fetchall()
     except duckdb.IOException as error:
-        raise OSError(reason(error).rpartition(": ")[2]) from None
+        # Some of its errors come as JSON, with what the system said in the middle.
+        raise OSError(reason(error).partition('","')[0].rpartition(": ")[2]) from None
     with path.open("rb") as file:
         os.fsync(file.fileno())
     return int(height)

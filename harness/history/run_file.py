@@ -2,7 +2,6 @@
 
 import os
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from glob import escape
 from hashlib import file_digest
@@ -63,87 +62,40 @@ class RunFile:
             now = self.path.stat()
         except OSError as error:
             return f"{self.path.name} cannot be read any more: {error.strerror}"
-        same = all(
-            getattr(now, name) == getattr(self.stat, name)
-            for name in ("st_size", "st_mtime_ns", "st_ino")
-        )
+        was = self.stat
+        same = (now.st_size, now.st_mtime_ns, now.st_ino) == (
+            was.st_size, was.st_mtime_ns, was.st_ino,
+        )  # fmt: skip
         return None if same else f"{self.path.name} was changed"
 
 
-def sound_files(
-    base: "DuckDBPyConnection", paths: Sequence[Path]
-) -> tuple[list[RunFile], list[tuple[Path, str]]]:
-    """Return the files that are whole and of this bench, and the others with what is wrong."""
-    whole: dict[Path, os.stat_result] = {}
-    flaws: dict[Path, str] = {}
-    for path in paths:
-        found = _stat(path)
-        if isinstance(found, str):
-            flaws[path] = found
-        else:
-            whole[path] = found
-    sound = []
-    for path, types in _types(base, list(whole)).items():
-        flaw = _flaw(types)
-        if flaw:
-            flaws[path] = flaw
-        else:
-            sound.append(RunFile(path, frozenset(types) & frozenset(COLUMNS), whole[path]))
-    return sound, [(path, flaws[path]) for path in paths if path in flaws]
+def read(base: "DuckDBPyConnection", path: Path) -> RunFile | str:
+    """Return a file that is whole and of this bench, or what is wrong with it."""
+    import duckdb
 
-
-def _stat(path: Path) -> os.stat_result | str:
-    """Return what the system says of a file that is as it was written, or what is wrong."""
-    named = NAME.fullmatch(path.name)
-    if named is None:
+    matched = NAME.fullmatch(path.name)
+    if matched is None:
         return "not written by rps-bench: its name is not RUN.CHECKSUM.parquet"
     try:
         found = path.stat()
         if not S_ISREG(found.st_mode):  # a pipe or a device would never end
             return "not written by rps-bench: it is no regular file"
-        if checksum(path) != named[1]:
+        if checksum(path) != matched[1]:
             return f"damaged: {found.st_size} bytes that are not those that were written"
     except OSError as error:
         return f"cannot be read ({error.strerror})"
-    return found
-
-
-def _types(base: "DuckDBPyConnection", paths: list[Path]) -> dict[Path, dict[str, str] | str]:
-    """Return the types of the columns of all files by name, or what is wrong with a file."""
-    import duckdb
-
-    asked = (
-        "SELECT file_name, name, duckdb_type FROM parquet_schema($paths) "
-        "WHERE duckdb_type IS NOT NULL"
-    )
-    names = {str(path): path for path in paths}
-    found: dict[Path, dict[str, str] | str] = {path: {} for path in paths}
-    if not paths:
-        return found
+    asked = "SELECT name, duckdb_type FROM parquet_schema(?) WHERE duckdb_type IS NOT NULL"
     try:
-        rows = base.execute(asked, {"paths": list(map(escape, names))}).fetchall()
+        types = dict(base.execute(asked, [escape(str(path))]).fetchall())
     except duckdb.Error as error:
-        if len(paths) > 1:  # one of them is the reason
-            return {k: v for path in paths for k, v in _types(base, [path]).items()}
-        return {paths[0]: f"not written by rps-bench: it is no Parquet file ({reason(error)})"}
-    for name, column, kind in rows:
-        types = found[names[name]]
-        assert isinstance(types, dict)
-        types[column] = kind
-    return found
-
-
-def _flaw(types: dict[str, str] | str) -> str:
-    """Return what is wrong with a file's columns; "" if nothing."""
-    if isinstance(types, str):
-        return types
+        return f"not written by rps-bench: it is no Parquet file ({reason(error)})"
     for name in NEEDED:
         if name not in types:
             return f"of another release: it has no column {name}"
     for name, kind in COLUMNS.items():
         if types.get(name, kind) != kind:
             return f"of another release: its column {name} is {types[name]}, not {kind}"
-    return ""
+    return RunFile(path, frozenset(types) & frozenset(COLUMNS), found)
 
 
 def checksum(path: Path) -> str:

@@ -20,12 +20,20 @@ from analytic import InputError
 from harness.history.duck import Params, connect, constant, named, quoted, reason, sink
 from harness.history.provenance import provenance
 from harness.history.run_file import COLUMNS as COLUMNS
-from harness.history.run_file import checksum, sound_files
+from harness.history.run_file import RunFile, checksum, read
 from harness.output import staged
 
 if TYPE_CHECKING:
     import pandas as pd
     from duckdb import DuckDBPyConnection, DuckDBPyRelation
+
+
+_PLAINER = {
+    "HUGEINT$": "BIGINT",
+    "^TIMESTAMP WITH TIME ZONE$": "TIMESTAMP",
+    "INTERVAL|UNION|BIT": "VARCHAR",
+}
+"""Types that pandas or Parquet has not, or shows worse, and what stands for them."""
 
 
 def append(
@@ -153,7 +161,9 @@ class History:
             raise InputError("history", str(folder), "a folder")
         self._folder = folder
         with connect() as base:
-            self._files, self.skipped = sound_files(base, sorted(folder.glob("*.parquet")))
+            found = {path: read(base, path) for path in sorted(folder.glob("*.parquet"))}
+        self._files = [file for file in found.values() if isinstance(file, RunFile)]
+        self.skipped = [(path, why) for path, why in found.items() if isinstance(why, str)]
         self._base: DuckDBPyConnection | None = None
 
     def query(self, sql: str, params: Params = None) -> Answer:
@@ -177,11 +187,8 @@ class History:
 
         expected = "one SELECT over the table rows"
         self._stays()
-        if target is not None or self._base is None:
-            base = self._open(target)
-            self._base = self._base or base
-        else:
-            base = self._base
+        base = self._base if target is None and self._base else self._open(target)
+        self._base = self._base or base
         try:
             statements = base.extract_statements(question.sql)
             if [s.type for s in statements] != [duckdb.StatementType.SELECT]:
@@ -200,22 +207,20 @@ class History:
         import duckdb
 
         base = connect(streams=target is not None)
-        view = f"SELECT {', '.join(f'NULL::{v} AS {named(k)}' for k, v in COLUMNS.items())} LIMIT 0"
-        if self._files:
-            found = frozenset().union(*(file.columns for file in self._files))
-            columns = ", ".join(
-                named(name) if name in found else f"NULL::{kind} AS {named(name)}"
-                for name, kind in COLUMNS.items()
-            )
-            # A name with a pattern's letters is looked up as a pattern, and read as it is.
-            paths = ", ".join(quoted(escape(str(file.path))) for file in self._files)
-            view = f"SELECT {columns} FROM read_parquet([{paths}], union_by_name = true)"
+        found = frozenset().union(*(file.columns for file in self._files))
+        columns = ", ".join(
+            named(name) if name in found else f"NULL::{kind} AS {named(name)}"
+            for name, kind in COLUMNS.items()
+        )
+        # A name with a pattern's letters is looked up as a pattern, and read as it is.
+        paths = [str(file.path) for file in self._files]
+        sought = ", ".join(quoted(escape(path)) for path in paths)
+        source = f"FROM read_parquet([{sought}], union_by_name = true)" if paths else "LIMIT 0"
         try:
-            base.execute(f"CREATE VIEW rows AS {view}")
+            base.execute(f"CREATE VIEW rows AS SELECT {columns} {source}")
         except duckdb.Error as error:
             raise self._changed(reason(error)) from None
-        read = [str(file.path) for file in self._files]
-        allowed = {*read, *map(escape, read), *([str(target)] if target else [])}
+        allowed = {*paths, *map(escape, paths), *([str(target)] if target else [])}
         base.execute(f"SET allowed_paths = [{', '.join(map(quoted, sorted(allowed)))}]")
         base.execute("SET enable_external_access = false")
         base.execute("SET lock_configuration = true")
@@ -237,16 +242,11 @@ def open_history(folder: Path) -> History:
 
 
 def _plain(answer: "DuckDBPyRelation") -> str:
-    """Return the columns as SQL, without types that pandas or Parquet has not, or shows worse."""
+    """Return the columns as SQL, without the types of `_PLAINER`."""
     casts = []
     for name, kind in zip(answer.columns, map(str, answer.types), strict=True):
-        plain = ""
-        if kind.endswith("HUGEINT"):
-            plain = "BIGINT"
-        elif kind == "TIMESTAMP WITH TIME ZONE":
-            plain = "TIMESTAMP"
-        elif re.search("INTERVAL|UNION|BIT", kind):
-            plain = "VARCHAR"
-        if plain:
-            casts.append(f"CAST({named(name)} AS {plain}) AS {named(name)}")
+        for pattern, plain in _PLAINER.items():
+            if re.search(pattern, kind):
+                casts.append(f"CAST({named(name)} AS {plain}) AS {named(name)}")
+                break
     return f"* REPLACE ({', '.join(casts)})" if casts else "*"

@@ -2,8 +2,8 @@
 
 import logging
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import suppress
-from queue import Empty, SimpleQueue
 from threading import Thread
 from time import monotonic
 from typing import Any
@@ -32,9 +32,8 @@ class Cluster:
         try:
             import distributed
         except ImportError:
-            raise self._refused(
-                address, "Dask: install rps-bench[cluster] here and on the workers"
-            ) from None
+            expected = "Dask: install rps-bench[cluster] here and on the workers"
+            raise InputError("scheduler", address, expected) from None
         dask: Any = distributed  # untyped
         # Its own log repeats, with a traceback, what becomes one sentence here.
         for name in ("distributed", "distributed.client", "asyncio"):
@@ -48,18 +47,13 @@ class Cluster:
             )
         except (OSError, ValueError, TypeError) as error:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise self._refused(
-                address, f"the address of a running Dask scheduler, tcp://HOST:PORT ({why})"
-            ) from None
+            expected = f"the address of a running Dask scheduler, tcp://HOST:PORT ({why})"
+            raise InputError("scheduler", address, expected) from None
         self.cores = self._threads()
         if not self.cores:
             self.close()
-            raise self._refused(address, "a Dask cluster with at least one worker")
+            raise InputError("scheduler", address, "a Dask cluster with at least one worker")
         self._gone: float | None = None
-
-    @staticmethod
-    def _refused(address: str, expected: str) -> InputError:
-        return InputError("scheduler", address, expected)
 
     def _threads(self) -> int:
         """Return how many threads all workers have; 0 where the scheduler does not answer."""
@@ -81,7 +75,8 @@ class Cluster:
         self._gone = self._gone or now
         if status == "closed" or now > self._gone + REACH:
             lost = "every worker" if status == "running" else "its scheduler"
-            raise self._refused(
+            raise InputError(
+                "scheduler",
                 self._address,
                 f"a Dask cluster that lasts as long as the sweep ({lost} has gone; "
                 "finished jobs are kept: the same command again computes the others)",
@@ -95,19 +90,16 @@ class Cluster:
 
 def _within(seconds: float, call: Callable[[], Any]) -> Any:
     """Return what `call` does, or raise `TimeoutError`: Dask waits for ever for a silent port."""
-    answers: SimpleQueue[Any] = SimpleQueue()
+    answer: Future[Any] = Future()
 
     def ask() -> None:
         try:
-            answers.put((call(), None))
+            answer.set_result(call())
         except BaseException as error:
-            answers.put((None, error))
+            answer.set_exception(error)
 
     Thread(target=ask, daemon=True).start()
     try:
-        answer, error = answers.get(timeout=seconds)
-    except Empty:
-        raise TimeoutError(f"no answer within {seconds:g} s") from None
-    if error is not None:
-        raise error
-    return answer
+        return answer.result(timeout=seconds)
+    except TimeoutError as error:
+        raise error if str(error) else TimeoutError(f"no answer within {seconds:g} s") from None

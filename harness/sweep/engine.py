@@ -1,6 +1,6 @@
 """Runs jobs on all cores of this machine, or on a Dask cluster; both take them one by one."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -16,19 +16,18 @@ FETCH = 10.0
 """Seconds to wait for the answer of a finished job before the engine is asked likewise."""
 
 
+AHEAD = 3
+"""Jobs handed out for each core: enough that none waits, few enough to keep memory flat."""
+
+
 class Work(Task, Protocol):
-    """A task that says where it may run."""
+    """A task that says whether it must run in a process of its own: it may crash or hang."""
 
     @property
-    def isolated(self) -> bool:
-        """Whether it must run in a process of its own, since it may crash or hang."""
-        ...
+    def isolated(self) -> bool: ...  # noqa: D102
 
 
 T = TypeVar("T", bound=Work)
-
-AHEAD = 3
-"""Jobs handed out for each core: enough that none waits, few enough to keep memory flat."""
 
 
 @dataclass(frozen=True)
@@ -62,26 +61,23 @@ def run(engine: Engine, tasks: Iterable[T]) -> Iterator[tuple[T, Any]]:
     waiting = 0
 
     def next_done() -> tuple[T, Any]:
+        taken: tuple[T, Any] | None = None
         while True:
             try:
-                task, future = finished.get(timeout=LOOK)
-                break
-            except Empty:
-                engine.check()
-        while True:
-            try:
-                return task, future.result(timeout=FETCH)
-            except TimeoutError:  # its Dask worker has gone, and the answer with it
+                taken = taken or finished.get(timeout=LOOK)
+                return taken[0], taken[1].result(timeout=FETCH)
+            except (Empty, TimeoutError):  # or its Dask worker has gone, and the answer with it
                 engine.check()
             except Exception as error:  # a Dask worker that died once too often, say
                 engine.check()
-                return task, Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason'}")
-
-    def tell(task: T) -> Callable[[Any], None]:
-        return lambda future: finished.put((task, future))
+                assert taken is not None, "a queue raises nothing else"
+                why = f"{type(error).__name__}: {str(error).strip() or 'no reason'}"
+                return taken[0], Failure(why)
 
     for task in tasks:
-        engine.submit(task).add_done_callback(tell(task))
+        engine.submit(task).add_done_callback(
+            lambda future, task=task: finished.put((task, future))
+        )
         waiting += 1
         if waiting >= AHEAD * engine.cores:
             yield next_done()
@@ -95,21 +91,12 @@ class Local:
 
     One task that is safe at a time runs in this process, which is ready at once; the others run in
     processes too, for on threads of one process they wait for each other's interpreter.
-    `simulations`: how many jobs will need a process; as many as can be of use are started at once.
-    `children`: its processes, some of which may have been started already.
     """
 
-    def __init__(
-        self,
-        cores: int,
-        patience: Patience,
-        simulations: int = 0,
-        children: Children | None = None,
-    ) -> None:
+    def __init__(self, cores: int, patience: Patience, children: Children) -> None:
         self.cores = cores
         self._patience = patience
-        self._children = Children() if children is None else children
-        self._children.start(min(cores, simulations))
+        self._children = children
         self._here = Lock()
         self._threads = ThreadPoolExecutor(cores)
 
@@ -145,11 +132,14 @@ def engine(
 ) -> Iterator[Engine]:
     """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
 
-    `simulations` and `children` as for `Local`.
+    `simulations`: how many jobs need a process; as many as can be of use are started at once.
+    `children`: its processes, some of which may have been started already.
     """
     chosen: Any
     if scheduler is None:
-        chosen = Local(cores, patience, simulations, children)
+        children = Children() if children is None else children
+        children.start(min(cores, simulations))
+        chosen = Local(cores, patience, children)
     else:
         from harness.sweep.cluster import Cluster
 

@@ -10,16 +10,22 @@ from numpy.typing import NDArray
 
 from analytic.model import Model
 from harness.bench import label
-from harness.compare import cell, relative_error
+from harness.compare import cells, relative_error
 from harness.sweep.journal import Journal
-from harness.sweep.long_table import LongTable
-from harness.sweep.mode_check import ModeCheck, beams_of, check_modes
-from harness.sweep.sweep import Sweep, answers
+from harness.sweep.long_table import TABLE, LongTable
+from harness.sweep.mode_check import beams_of, check_modes
+from harness.sweep.sweep import Sweep
 from harness.tables import Cell, Table
 
 Floats = NDArray[np.float64]
 NAMED = 5
 """Poses named whose modes are miscounted."""
+_BY_MODE = f"""
+SELECT mode, count(e), ifnull(sqrt(favg(e * e)), 'nan'), ifnull(favg(e), 'nan'),
+  ifnull(arg_max(e, abs(e)), 'nan'), ifnull(arg_max(pose, abs(e)), 0)
+FROM (SELECT mode, pose, error_percent AS e FROM {TABLE} WHERE model = ?)
+GROUP BY mode ORDER BY mode
+"""
 
 ERRORS = {
     "pose": "BIGINT",
@@ -33,92 +39,78 @@ ERRORS = {
 }
 
 
+@dataclass(frozen=True)
+class ModeErrors:
+    """The errors [%] of one mode over all poses: `known` of them; NaN where there is none.
+
+    `worst`, with its sign, is that of the pose number `where`, 0 where none is known.
+    """
+
+    mode: int
+    known: int
+    rms: float
+    mean: float
+    worst: float
+    where: int
+
+
 @dataclass
 class Errors:
-    """Errors of `model` against another [%], a column a mode, gathered block by block.
+    """Errors of `model` against another: by mode, and where its modes are miscounted.
 
     Modes are paired by order: a sweep keeps no shapes. Sorted lists differ least when paired by
     order, so where modes cross between the models an error here may be too small, by no more than
     the gap of the modes that cross; `ShapeCheck` tells where that matters.
     Without `torsion`, which one of the two does not have, modes are numbered without it.
-    An error against 0 Hz is none: `known` is how many there are.
     """
 
     model: Model
-    modes: NDArray[np.int64]
-    torsion: bool = True
+    torsion: bool
+    counted: NDArray[np.int64]
+    miscounted: NDArray[np.int64]
     poses: int = 0
-    known: NDArray[np.int64] = field(init=False)
-    total: Floats = field(init=False)
-    squares: Floats = field(init=False)
-    worst: Floats = field(init=False)
-    where: NDArray[np.int64] = field(init=False)
-    counted: NDArray[np.int64] = field(init=False)
-    miscounted: NDArray[np.int64] = field(init=False)
     wrong: list[int] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        n = len(self.modes)
-        self.total, self.squares, self.worst = np.zeros((3, n))
-        self.known, self.where, self.counted, self.miscounted = np.zeros((4, n), dtype=np.int64)
-
-    def add(self, numbers: NDArray[np.int64], error: Floats) -> None:
-        """Take in the errors (n, m) at poses of these `numbers` (n,)."""
-        self.poses += len(numbers)
-        self.known += np.isfinite(error).sum(axis=0)
-        self.total += np.nansum(error, axis=0)
-        self.squares += np.nansum(error**2, axis=0)
-        size = np.where(np.isfinite(error), np.abs(error), -1.0)
-        k = size.argmax(axis=0)
-        column = np.arange(len(k))
-        # The first of equals stays, and a worst pose is named even where no error is.
-        first = (self.where == 0) & (size[k, column] >= 0)
-        worse = (size[k, column] > np.abs(self.worst)) | first
-        self.worst = np.where(worse, error[k, column], self.worst)
-        self.where = np.where(worse, numbers[k], self.where)
-
-    def count(self, numbers: NDArray[np.int64], check: ModeCheck) -> None:
-        """Take in at how many poses, and of which `numbers`, there are too many or few modes."""
-        self.counted += check.counted.sum(axis=0)[self.modes - 1]
-        self.miscounted += check.wrong.sum(axis=0)[self.modes - 1]
-        self.wrong += numbers[check.wrong.any(axis=1)].tolist()
+    modes: list[ModeErrors] = field(default_factory=list)
 
 
 def compare(
     sweep: Sweep, journal: Journal, against: Model, modes: Sequence[int], file: Path
 ) -> list[Errors]:
-    """Write the error of every other model at every pose; return what was gathered of them.
+    """Write the error of every other model at every pose; return what they come to.
 
     Where one of two models has no torsion of limbs, the other is taken without it if it can be.
     """
-    gathered = [
-        Errors(model, np.array(modes), model.info().torsion and against.info().torsion)
-        for model in sweep.models
-        if model != against
-    ]
+    gathered = []
+    pick = np.array(modes) - 1
     theory = beams_of(against)
     with LongTable(file, ERRORS, ["error_percent"], modes) as table:
-        for errors in gathered:
+        for model in sweep.models:
+            if model == against:
+                continue
+            torsion = model.info().torsion and against.info().torsion
+            errors = Errors(model, torsion, *np.zeros((2, len(pick)), dtype=np.int64))
+            gathered.append(errors)
             for start, stop in sweep.blocks():
-                ours, assumed = _block(sweep, journal, errors.model, start, stop, errors.torsion)
-                theirs, theirs_in = _block(sweep, journal, against, start, stop, errors.torsion)
+                ours, assumed = _block(sweep, journal, model, start, stop, torsion)
+                theirs, theirs_in = _block(sweep, journal, against, start, stop, torsion)
                 here = np.flatnonzero(~np.isnan(ours[:, 0] + theirs[:, 0]))
                 if not len(here):
                     continue
                 poses, numbers = sweep.poses[start + here], start + here + 1
-                isolated = errors.model.info().isolated
-                if theory is not None and isolated and assumed == theirs_in:
-                    found = ours[here]
-                    check = check_modes(found, sweep.mechanism, poses, theory, errors.torsion)
-                    errors.count(numbers, check)
-                error = relative_error(ours[here], theirs[here])[:, errors.modes - 1]
-                errors.add(numbers, error)
+                errors.poses += len(here)
+                if theory is not None and model.info().isolated and assumed == theirs_in:
+                    check = check_modes(ours[here], sweep.mechanism, poses, theory, torsion)
+                    errors.counted += check.counted.sum(axis=0)[pick]
+                    errors.miscounted += check.wrong.sum(axis=0)[pick]
+                    errors.wrong += numbers[check.wrong.any(axis=1)].tolist()
                 block: dict[str, Any] = {
                     "pose": numbers, "z_m": poses.z, "azimuth_rad": poses.azimuth,
-                    "tilt_rad": poses.tilt, "model": label(errors.model),
-                    "against": label(against), "error_percent": error,
+                    "tilt_rad": poses.tilt, "model": label(model), "against": label(against),
+                    "error_percent": relative_error(ours[here], theirs[here])[:, pick],
                 }  # fmt: skip
                 table.add(block)
+            found = table.base.execute(_BY_MODE, [label(model)]).fetchall()
+            errors.modes = [ModeErrors(*row) for row in found]
         table.write()
     return gathered
 
@@ -129,10 +121,10 @@ def _block(
     """Return frequencies (stop - start, count), NaN where a job is not finished; the theory."""
     values, theory = np.full((stop - start, sweep.count), np.nan), set()
     beams = None if torsion else beams_of(model)
-    for job, answer in answers(sweep, journal, model, start, stop):
+    for job, answer in sweep.answers(journal, model, start, stop):
         found = answer.frequencies
         if beams is not None:
-            found = beams.without_torsion(job.mechanism, job.poses, job.count)
+            found = beams.frequencies(job.mechanism, job.poses, job.count, torsion=False)
         values[job.start - start :][: len(job.poses)] = found
         theory.add(answer.theory)
     return values, theory
@@ -142,18 +134,11 @@ def error_table(gathered: list[Errors], against: Model) -> Table:
     """Largest, rms and mean error of each model and mode over all poses."""
     rows: list[tuple[Cell, ...]] = []
     for errors in gathered:
-        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
-            known = int(errors.known[k]) or np.nan
-            values = (
-                abs(errors.worst[k]) if errors.known[k] else np.nan,
-                np.sqrt(errors.squares[k] / known),
-                errors.total[k] / known,
-            )
-            numbers = (cell(float(v), 6, signed=i == 2) for i, v in enumerate(values))
-            wrong = (
-                f"{errors.miscounted[k]} of {errors.counted[k]}" if errors.counted.any() else "-"
-            )
-            rows.append((label(errors.model), f"f{mode}", errors.poses, *numbers, wrong))
+        for k, mode in enumerate(errors.modes):
+            counts = f"{errors.miscounted[k]} of {errors.counted[k]}"
+            counts = counts if errors.counted.any() else "-"
+            numbers = cells([abs(mode.worst), mode.rms], 6) + cells([mode.mean], 6, signed=True)
+            rows.append((label(errors.model), f"f{mode.mode}", errors.poses, *numbers, counts))
     columns = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)", "Miscounted")
     notes = [
         "modes paired by order; shapes are looked at for the worst poses",

@@ -83,7 +83,11 @@ class Job:
         else:
             found = np.asarray(self.model.frequencies(self.mechanism, self.poses, count))
             seconds, uncertainty = perf_counter() - began, None
-            modes = _at_one_pose(self.model, self.mechanism, self.poses[0], count)
+            # For their theory, version and size, which are the same at every pose.
+            asked = (self.model, self.mechanism, count)
+            if asked not in _told:
+                _told[asked] = self.model.modes(self.mechanism, self.poses[0], count)
+            modes = _told[asked]
         answer = Answer(
             found, uncertainty, modes.residual, modes.theory, modes.version, modes.dofs, seconds
         )
@@ -93,30 +97,27 @@ class Job:
 
     def flaw(self, answer: object) -> str:
         """Return why no number of `answer` must be believed; "" if they may be."""
-        return _flaw(answer, len(self.poses), self.count)
-
-
-def _flaw(answer: object, poses: int, count: int) -> str:
-    if not isinstance(answer, Answer):
-        return f"it answered {type(answer).__name__}, where frequencies were expected"
-    f, uncertainty, closure = answer.frequencies, answer.uncertainty, answer.closure
-    if not isinstance(f, np.ndarray) or f.shape != (poses, count) or f.dtype.kind != "f":
-        form = f"shape {np.shape(f)} and type {getattr(f, 'dtype', type(f).__name__)}"
-        return f"its frequencies have {form}, not ({poses}, {count}) numbers"
-    if not np.isfinite(f).all():
-        return f"its frequencies hold {f[~np.isfinite(f)][0]}"
-    if (f < 0).any():
-        return f"it gave a frequency below zero, {f.min():.6g} Hz"
-    if (np.diff(f, axis=1) < 0).any():
-        return "its frequencies do not ascend"
-    if uncertainty is not None and (
-        np.shape(uncertainty) != f.shape
-        or not (np.isfinite(uncertainty) & (uncertainty >= 0)).all()
-    ):
-        return "its uncertainties are not one finite number of hertz a mode"
-    if closure is not None and not np.isfinite(closure):
-        return f"its joints are open by {closure} m"
-    return ""
+        shape = (len(self.poses), self.count)
+        if not isinstance(answer, Answer):
+            return f"it answered {type(answer).__name__}, where frequencies were expected"
+        f, uncertainty, closure = answer.frequencies, answer.uncertainty, answer.closure
+        if not isinstance(f, np.ndarray) or f.shape != shape or f.dtype.kind != "f":
+            form = f"shape {np.shape(f)} and type {getattr(f, 'dtype', type(f).__name__)}"
+            return f"its frequencies have {form}, not {shape} numbers"
+        if not np.isfinite(f).all():
+            return f"its frequencies hold {f[~np.isfinite(f)][0]}"
+        if (f < 0).any():
+            return f"it gave a frequency below zero, {f.min():.6g} Hz"
+        if (np.diff(f, axis=1) < 0).any():
+            return "its frequencies do not ascend"
+        if uncertainty is not None and (
+            np.shape(uncertainty) != f.shape
+            or not (np.isfinite(uncertainty) & (uncertainty >= 0)).all()
+        ):
+            return "its uncertainties are not one finite number of hertz a mode"
+        if closure is not None and not np.isfinite(closure):
+            return f"its joints are open by {closure} m"
+        return ""
 
 
 def jobs(
@@ -132,6 +133,10 @@ def jobs(
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 
 
+_programs: dict[Model, str] = {}
+_told: dict[tuple[Model, Mechanism, int], Modes] = {}
+
+
 def program_of(model: Model) -> str:
     """Return what computes a model here: its program's version, this bench's, and their sources."""
     if model not in _programs:
@@ -141,23 +146,8 @@ def program_of(model: Model) -> str:
     return _programs[model]
 
 
-_programs: dict[Model, str] = {}
-
-
-@lru_cache(maxsize=4)
-def _said(mechanism: Mechanism) -> str:
-    return repr(mechanism)
-
-
-def _at_one_pose(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
-    """Return modes for their theory, version and size, which are the same at every pose."""
-    key = (model, mechanism, count)
-    if key not in _told:
-        _told[key] = model.modes(mechanism, pose, count)
-    return _told[key]
-
-
-_told: dict[tuple[Model, Mechanism, int], Modes] = {}
+_said = lru_cache(maxsize=4)(repr)
+"""A mechanism in words, every number of it."""
 
 
 def _source(model: Model) -> str:

@@ -4,13 +4,22 @@ import pickle
 import sqlite3
 import zlib
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from harness.output import OutputError
 from harness.sweep.jobs import Answer, Job
 
 NAME = "journal.sqlite"
+_OPEN = (
+    # Exclusive: the kernel lets go of the lock when the process ends, even by SIGKILL.
+    "PRAGMA locking_mode = EXCLUSIVE",
+    "PRAGMA journal_mode = WAL",
+    "PRAGMA synchronous = NORMAL",
+    "BEGIN EXCLUSIVE",
+    "CREATE TABLE IF NOT EXISTS jobs (key BLOB PRIMARY KEY, answer BLOB NOT NULL, "
+    "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
+    "COMMIT",
+)
 
 
 class Journal:
@@ -31,16 +40,8 @@ class Journal:
         except (OSError, sqlite3.Error) as error:
             raise self._cannot_write(error) from None
         try:
-            # Exclusive: the kernel lets go of the lock when the process ends, even by SIGKILL.
-            self._run("PRAGMA locking_mode = EXCLUSIVE")
-            self._run("PRAGMA journal_mode = WAL")
-            self._run("PRAGMA synchronous = NORMAL")
-            self._run("BEGIN EXCLUSIVE")
-            self._run(
-                "CREATE TABLE IF NOT EXISTS jobs (key BLOB PRIMARY KEY, answer BLOB NOT NULL, "
-                "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID"
-            )
-            self._run("COMMIT")
+            for statement in _OPEN:
+                self._run(statement)
             (sound,) = self._run("PRAGMA quick_check(1)").fetchone()
             if sound != "ok":
                 raise self._damaged(str(sound))
@@ -51,12 +52,7 @@ class Journal:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self._base.close()
 
     def __contains__(self, job: Job) -> bool:
@@ -76,33 +72,25 @@ class Journal:
     def put(self, job: Job, answer: Answer) -> None:
         """Keep the answer of `job`; once this returns it is there for good."""
         content = pickle.dumps(answer, protocol=5)
-        self._run(
-            "INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)",
-            job.key,
-            content,
-            answer.seconds,
-            zlib.crc32(content),
-        )
+        values = (job.key, content, answer.seconds, zlib.crc32(content))
+        self._run("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", *values)
 
     def _run(self, statement: str, *values: object) -> sqlite3.Cursor:
         try:
             return self._base.execute(statement, values)
         except sqlite3.Error as error:
             if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
-                raise OutputError(
-                    f"output = {str(self._folder)!r}: another sweep is running into this folder"
-                ) from None
+                raise self._refused("another sweep is running into this folder") from None
             if error.sqlite_errorcode in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB):
                 raise self._damaged(str(error)) from None
             raise self._cannot_write(error) from None
 
     def _damaged(self, why: str) -> OutputError:
-        return OutputError(
-            f"output = {str(self._folder)!r}: its {NAME} is damaged "
-            f"({' '.join(why.split())}); "
-            "move it away to start anew"
-        )
+        why = " ".join(why.split())
+        return self._refused(f"its {NAME} is damaged ({why}); move it away to start anew")
 
     def _cannot_write(self, error: Exception) -> OutputError:
-        reason = getattr(error, "strerror", None) or str(error)
-        return OutputError(f"output = {str(self._folder)!r}: cannot write there ({reason})")
+        return self._refused(f"cannot write there ({getattr(error, 'strerror', None) or error})")
+
+    def _refused(self, why: str) -> OutputError:
+        return OutputError(f"output = {str(self._folder)!r}: {why}")

@@ -56,17 +56,13 @@ class LongTable:
         arrays: dict[str, np.ndarray] = {}
         values = []
         for name in self._columns:
-            value = block.get(name)
-            own = self._by_mode.get(name, [name])
+            value, own = block.get(name), self._by_mode.get(name, [name])
             if isinstance(value, np.ndarray):
                 arrays |= dict(zip(own, value.T if name in self._by_mode else [value], strict=True))
-                finite = value.dtype.kind == "f"
-                values += [
-                    f"CASE WHEN isfinite({named(each)}) THEN {named(each)} END"
-                    if finite
-                    else named(each)
-                    for each in own
-                ]
+                finite = (
+                    "CASE WHEN isfinite({0}) THEN {0} END" if value.dtype.kind == "f" else "{0}"
+                )
+                values += [finite.format(named(each)) for each in own]
             elif name != "mode":
                 values += ["NULL" if value is None else quoted(value)] * len(own)
         with self._told():

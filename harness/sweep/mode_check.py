@@ -5,7 +5,7 @@ the theory: a mode that a simulator misses, has twice or makes up shifts its own
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,15 +23,13 @@ SPARE = 4
 """Further modes of the theory, for what a simulator has in the place of those it misses."""
 
 Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class ModeCheck:
+class ModeCheck(NamedTuple):
     """At N poses, above each of `count` modes: was it counted there, and wrongly; (N, count)."""
 
-    counted: Flags
-    wrong: Flags
+    counted: NDArray[np.bool_]
+    wrong: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -43,13 +41,14 @@ class Beams:
 
     @property
     def said(self) -> dict[str, Any]:
-        """The theory as functions of `analytic` take it."""
-        return {"beam": self.theory.beam, "shear": self.theory.shear}
+        """The limbs as functions of `analytic` take them."""
+        theory = self.theory
+        return {"elements": self.elements, "beam": theory.beam, "shear": theory.shear}
 
-    def without_torsion(self, mechanism: Mechanism, poses: Pose, count: int) -> Floats:
-        """Return frequencies (N, count) [Hz] of limbs that do not twist."""
+    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int, torsion: bool) -> Floats:
+        """Return frequencies (N, count) [Hz], of limbs that twist or do not."""
         return condensed_frequencies(
-            mechanism, poses, self.elements, count=count, torsion=False, fast=False, **self.said
+            mechanism, poses, count=count, torsion=torsion, fast=False, **self.said
         )
 
 
@@ -72,15 +71,7 @@ def check_modes(
     partner does not excuse itself. Without `torsion` the theory's limbs do not twist either.
     """
     count = found.shape[1]
-    exact = condensed_frequencies(
-        mechanism,
-        poses,
-        theory.elements,
-        **theory.said,
-        count=count + 1 + SPARE,
-        torsion=torsion,
-        fast=False,
-    )
+    exact = theory.frequencies(mechanism, poses, count + 1 + SPARE, torsion)
     away = np.abs(found[:, :, None] - exact[:, None, :])
     partner = away.argmin(axis=2)
     nearest = partner[..., None] == np.arange(exact.shape[1])
@@ -92,13 +83,6 @@ def check_modes(
     counted = gap > CLEAR * np.maximum(deviation[:, 1:], deviation[:, :-1])
     counted &= gap > REPEATED * exact[:, 1:]
     middle = (exact[:, 1:] + exact[:, :-1]) / 2
-    right = mode_counts(
-        mechanism,
-        poses,
-        middle,
-        theory.elements,
-        **theory.said,
-        torsion=torsion,
-    )
+    right = mode_counts(mechanism, poses, middle, torsion=torsion, **theory.said)
     below = (found[:, None, :] < middle[:, :, None]).sum(axis=2)
     return ModeCheck(counted, counted & (below != right))

@@ -103,9 +103,8 @@ def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tupl
     if more and ranges:
         for name, (low, high, steps) in _ranges(text, more.pop(0)).items():
             if steps is not None:
-                raise InputError(
-                    OPTION, text, "ranges such as z=350..700, without a number of steps"
-                )
+                without = "ranges such as z=350..700, without a number of steps"
+                raise InputError(OPTION, text, without)
             chosen[name] = (low, high)
     if more or not number_of.isdecimal() or not 0 < int(number_of) <= MOST:
         raise InputError(OPTION, text, expected)
@@ -166,14 +165,13 @@ def _file(path: Path) -> Pose:
     if not path.is_file() or not path.stat().st_size:  # a pipe or a device might never end
         why = "no regular file, or empty" if path.exists() else "No such file or directory"
         raise InputError(OPTION, str(path), f"a readable file of poses ({why})")
-    source = f"read_parquet({quoted(escape(str(path)))})"
+    name = quoted(escape(str(path)))
+    source = f"read_parquet({name})"
     if path.suffix.lower() == ".csv":
-        source = (
-            f"read_csv({quoted(escape(str(path)))}, delim = ',', header = true, all_varchar = true)"
-        )
-    with connect() as base:
-        try:
-            found = [row[0] for row in base.execute(f"DESCRIBE FROM {source}").fetchall()]
+        source = f"read_csv({name}, delim = ',', header = true, all_varchar = true)"
+    try:
+        with connect() as base:
+            found = base.sql(f"FROM {source}").columns
             columns = next((c for c in _COLUMNS if set(c) == set(found)), None)
             if columns is None:
                 expected = " or ".join(", ".join(c) for c in _COLUMNS)
@@ -182,18 +180,17 @@ def _file(path: Path) -> Pose:
             base.execute(f"CREATE TABLE given AS SELECT {', '.join(columns)} FROM {source}")
             asked = ", ".join(f"TRY_CAST({c} AS DOUBLE) AS {c}" for c in columns)
             values = base.execute(f"SELECT {asked} FROM given").fetchnumpy()
-            for name in columns:
-                value = np.ma.filled(values[name], np.nan)
+            arrays = [np.ma.filled(values[name], np.nan) for name in columns]
+            for name, value in zip(columns, arrays, strict=True):
                 bad = np.flatnonzero(~np.isfinite(value))
                 if bad.size:
-                    sql = f"SELECT {name} FROM given LIMIT 1 OFFSET {bad[0]}"
-                    ((given,),) = base.execute(sql).fetchall()
+                    asked = f"SELECT {name} FROM given LIMIT 1 OFFSET {bad[0]}"
+                    ((word,),) = base.execute(asked).fetchall()
                     where = f"{OPTION} {path}, {name}, row {bad[0] + 1}"
-                    raise InputError(where, given, "a finite number")
-        except duckdb.Error as error:
-            why = reason(error)
-            raise InputError(OPTION, str(path), f"a readable file of poses ({why})") from None
-    arrays = [np.ma.getdata(values[name]) for name in columns]
+                    raise InputError(where, word, "a finite number")
+    except duckdb.Error as error:
+        why = reason(error)
+        raise InputError(OPTION, str(path), f"a readable file of poses ({why})") from None
     if not len(arrays[0]):
         raise InputError(OPTION, str(path), "a file of at least one pose")
     return _scaled(*arrays) if columns == _COLUMNS[0] else Pose(*arrays)

@@ -1,21 +1,24 @@
 """The rows of a sweep: one a pose, model and mode, made from the finished jobs."""
 
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.model import Model
 from harness.bench import label
 from harness.history.duck import constant, named, quoted
 from harness.history.store import append_table
 from harness.rows import SWEEP, mechanism_hash, settings
-from harness.sweep.jobs import Answer, Job
+from harness.sweep.jobs import BATCH, Answer, Job
 from harness.sweep.journal import Journal
 from harness.sweep.long_table import TABLE, LongTable
-from harness.sweep.sweep import Finished, Sweep, Timing, answers
+from harness.sweep.sweep import Sweep
+from harness.tables import Cell, Number, Table
 
 ROWS = {
     "pose": "BIGINT",
@@ -32,90 +35,143 @@ ROWS = {
     "closure_m": "DOUBLE",
     "dofs": "BIGINT",
 }
-BY_MODE = ("frequency_hz", "uncertainty_hz")
-Floats = NDArray[np.float64]
 
 
-def rows_table(sweep: Sweep, file: Path, modes: Sequence[int]) -> LongTable:
-    """Return the table of the rows of `file`, still empty."""
-    labels = ", ".join(quoted(label(model)) for model in sweep.models)
-    return LongTable(file, ROWS | {"model": f"ENUM({labels})"}, BY_MODE, modes)
+@dataclass
+class Timing:
+    """What a model itself took over all runs into a folder: `poses` and seconds a pose of each job.
+
+    `theories` and `versions` in words: usually one, but a simulator may have others elsewhere.
+    """
+
+    poses: int = 0
+    seconds: float = 0.0
+    each: list[float] = field(default_factory=list)
+    theories: set[str] = field(default_factory=set)
+    versions: set[str] = field(default_factory=set)
+
+    def add(self, job: Job, answer: Answer) -> None:
+        """Take in a job."""
+        self.poses += len(job.poses)
+        self.seconds += answer.seconds
+        self.each.append(answer.seconds / len(job.poses))
+        self.theories.add(answer.theory)
+        self.versions.add(answer.version)
+
+    @property
+    def usual(self) -> float | None:
+        """The median of the seconds a pose."""
+        return float(np.median(self.each)) if self.each else None
 
 
-def fill(
-    sweep: Sweep, journal: Journal, finished: Finished, modes: Sequence[int], table: LongTable
-) -> None:
-    """Add one row a pose, model and mode as blocks of poses are finished; then write the file."""
-    mechanism = mechanism_hash(sweep.mechanism)
-    for model in sweep.models:
-        for start, stop in sweep.blocks():
-            finished.wait(model, start)
-            found = list(answers(sweep, journal, model, start, stop))
-            if found:
-                same = {"mechanism": mechanism, "model": label(model)}
-                table.add(_block(found, np.array(modes) - 1) | same)
-    table.write()
+class Rows:
+    """The rows on their way to `file`; a thread adds them, block by block, while jobs are solved.
 
+    As a context. Attributes: `timings` of each model, whole when `write` has returned.
+    """
 
-def keep(
-    sweep: Sweep, timings: Mapping[Model, Timing], table: LongTable, folder: Path, command: str
-) -> None:
-    """Append the rows to the history in `folder`; `solve_s` is a median."""
-    one = len(sweep.models) == 1
-    parts = []
-    for model in sweep.models:
-        timing = timings[model]
-        same = {  # what is the same in all rows of a model need not be read
-            "case": SWEEP,
-            "mechanism": mechanism_hash(sweep.mechanism),
-            "model": label(model),
-            "settings": settings(model, sweep.count),
-            "theory": timing.theories,
-            "version": timing.versions,
+    def __init__(self, sweep: Sweep, journal: Journal, file: Path, modes: Sequence[int]) -> None:
+        self.timings = {model: Timing() for model in sweep.models}
+        self._sweep, self._journal, self._pick = sweep, journal, np.array(modes) - 1
+        labels = ", ".join(quoted(label(model)) for model in sweep.models)
+        kinds = ROWS | {"model": f"ENUM({labels})"}
+        self._table = LongTable(file, kinds, ["frequency_hz", "uncertainty_hz"], modes)
+        self._left = {
+            (model, start): stop - start for model in sweep.models for start, stop in sweep.blocks()
         }
-        texts = {k: min(v) if isinstance(v, frozenset) and len(v) == 1 else v
-                 for k, v in same.items()}  # fmt: skip
-        found = {
-            name: "NULL" if value is None else constant(value)
-            for name, value in texts.items()
-            if not isinstance(value, frozenset)
+        self._blocks = deque(self._left)
+        self._writer = ThreadPoolExecutor(1)
+        self._added: list[Future[None]] = []
+
+    def tell(self, job: Job) -> None:
+        """Take in a finished job, with or without an answer."""
+        self._left[job.model, job.start // BATCH * BATCH] -= len(job.poses)
+        while self._blocks and not self._left[self._blocks[0]]:
+            self._added.append(self._writer.submit(self._add, *self._blocks.popleft()))
+
+    def _add(self, model: Model, start: int) -> None:
+        """Add one row a pose and mode of a block, whose jobs are all finished."""
+        sweep = self._sweep
+        stop = min(start + BATCH, len(sweep.poses))
+        found = list(sweep.answers(self._journal, model, start, stop))
+        for job, answer in found:
+            self.timings[model].add(job, answer)
+        if found:
+            same = {"mechanism": mechanism_hash(sweep.mechanism), "model": label(model)}
+            self._table.add(self._block(found) | same)
+
+    def _block(self, found: list[tuple[Job, Answer]]) -> dict[str, Any]:
+        """Return some jobs' answers as columns, a row a pose."""
+        jobs, got = zip(*found, strict=True)
+        sizes = [len(job.poses) for job in jobs]
+
+        def each(values: list[Any]) -> Any:
+            """Return a value of every job for its poses: one for all where all are the same."""
+            if len(set(values)) == 1:
+                return values[0]
+            # Where there are numbers, None is not a number.
+            kind: type = object if any(isinstance(value, str) for value in values) else float
+            return np.repeat(np.array(values, dtype=kind), sizes)
+
+        def of_modes(values: list[Any]) -> Any:
+            return np.concatenate([value[:, self._pick] for value in values])
+
+        return {
+            "pose": np.concatenate([job.start + 1 + np.arange(len(job.poses)) for job in jobs]),
+            "z_m": np.concatenate([job.poses.z for job in jobs]),
+            "azimuth_rad": np.concatenate([job.poses.azimuth for job in jobs]),
+            "tilt_rad": np.concatenate([job.poses.tilt for job in jobs]),
+            "theory": each([a.theory for a in got]),
+            "version": each([a.version for a in got]),
+            "closure_m": each([a.closure for a in got]),
+            "dofs": each([a.dofs or None for a in got]),
+            "frequency_hz": of_modes([a.frequencies for a in got]),
+            "uncertainty_hz": of_modes(
+                [np.nan * a.frequencies if a.uncertainty is None else a.uncertainty for a in got]
+            ),
         }
-        own = [name for name in ROWS if name not in found]
-        found["solve_s"] = str(timing.usual or "NULL")
-        columns = [*own, *(f"{value} AS {named(name)}" for name, value in found.items())]
-        only = "" if one else f" WHERE model = {quoted(label(model))}"
-        parts.append(f"SELECT {', '.join(columns)} FROM {TABLE}{only}")
-    table.base.execute(f"CREATE VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
-    append_table(folder, table.base, "records", command)
 
+    def write(self) -> None:
+        """Write the file when all blocks are there."""
+        for added in self._added:
+            added.result()
+        self._table.write()
 
-def _block(found: list[tuple[Job, Answer]], modes: NDArray[np.int64]) -> dict[str, Any]:
-    """Return some jobs' answers as columns, a row a pose."""
-    jobs, got = zip(*found, strict=True)
-    sizes = [len(job.poses) for job in jobs]
+    def keep(self, folder: Path, command: str) -> None:
+        """Append the rows to the history in `folder`; `solve_s` is a median."""
+        parts = []
+        for model, timing in self.timings.items():
+            same = {  # what is the same in all rows of a model need not be read
+                "case": SWEEP,
+                "mechanism": mechanism_hash(self._sweep.mechanism),
+                "model": label(model),
+                "settings": settings(model, self._sweep.count),
+            }
+            for name, values in (("theory", timing.theories), ("version", timing.versions)):
+                if len(values) == 1:
+                    same[name] = min(values)
+            columns = [name for name in ROWS if name not in same]
+            columns += [f"{constant(value)} AS {named(name)}" for name, value in same.items()]
+            columns.append(f"{timing.usual or 'NULL'} AS solve_s")
+            where = f"WHERE model = {quoted(label(model))}"
+            parts.append(f"SELECT {', '.join(columns)} FROM {TABLE} {where}")
+        self._table.base.execute(f"CREATE VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
+        append_table(folder, self._table.base, "records", command)
 
-    def each(values: list[Any]) -> Any:
-        """Return a value of every job for its poses: one for all where all are the same."""
-        if len(set(values)) == 1:
-            return values[0]
-        if any(isinstance(value, str) for value in values):
-            return np.repeat(np.array(values, dtype=object), sizes)
-        return np.repeat(np.array(values, dtype=float), sizes)  # None is not a number
+    def timing_table(self) -> Table:
+        """What each model itself took, over all runs into this folder."""
+        rows: list[tuple[Cell, ...]] = []
+        for model, timing in self.timings.items():
+            usual = "-" if timing.usual is None else Number(1e3 * timing.usual, 4)
+            rows.append((label(model), timing.poses, Number(timing.seconds, 2), usual))
+        notes = (
+            "ms a pose: the median; seconds: all, with what each process loads for its first job",
+        )
+        return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows), notes)
 
-    uncertainty = [
-        np.full(a.frequencies.shape, np.nan) if a.uncertainty is None else a.uncertainty
-        for a in got
-    ]
-    numbers = [job.start + 1 + np.arange(len(job.poses)) for job in jobs]
-    return {
-        "pose": np.concatenate(numbers),
-        "z_m": np.concatenate([job.poses.z for job in jobs]),
-        "azimuth_rad": np.concatenate([job.poses.azimuth for job in jobs]),
-        "tilt_rad": np.concatenate([job.poses.tilt for job in jobs]),
-        "theory": each([a.theory for a in got]),
-        "version": each([a.version for a in got]),
-        "closure_m": each([a.closure for a in got]),
-        "dofs": each([a.dofs or None for a in got]),
-        "frequency_hz": np.concatenate([a.frequencies[:, modes] for a in got]),
-        "uncertainty_hz": np.concatenate([u[:, modes] for u in uncertainty]),
-    }
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._writer.shutdown(cancel_futures=True)
+        self._table.__exit__(*error)

@@ -1,7 +1,6 @@
 """A sweep from poses and models to files: solved, written meanwhile, compared, kept."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,16 +15,8 @@ from harness.sweep.engine import Engine, Patience, engine
 from harness.sweep.error_map import compare, error_table
 from harness.sweep.jobs import Job
 from harness.sweep.journal import Journal
-from harness.sweep.rows import fill, keep, rows_table
-from harness.sweep.sweep import (
-    Failures,
-    Finished,
-    Sweep,
-    complete,
-    failure_table,
-    timing_table,
-    timings,
-)
+from harness.sweep.rows import Rows
+from harness.sweep.sweep import Failures, Sweep, complete, failure_table
 from harness.sweep.worst_poses import worst_table
 from harness.tables import Table, table_files
 
@@ -116,14 +107,15 @@ def carry_out(
     `history`: where the rows are kept, unless nothing was computed, and as which command.
     Raises `OutputError` where a file cannot be written.
     """
-    finished = Finished(sweep)
-    with rows_table(sweep, file, modes) as table:
-        with ThreadPoolExecutor(1) as writer, finished:
-            rows = writer.submit(fill, sweep, journal, finished, modes, table)
-            failures, solved = complete(sweep, journal, here, (listener, finished.tell))
-        rows.result()
-        took = timings(sweep, journal)
-        made, files = {"timing": timing_table(took)}, [file]
+
+    def tell(job: Job) -> None:
+        listener(job)
+        rows.tell(job)
+
+    with Rows(sweep, journal, file, modes) as rows:
+        failures, solved = complete(sweep, journal, here, tell)
+        rows.write()
+        made, files = {"timing": rows.timing_table()}, [file]
         if against is not None:
             files.append(file.with_name(f"error-map{file.suffix}"))
             gathered = compare(sweep, journal, against, modes, files[-1])
@@ -132,5 +124,5 @@ def carry_out(
         made["failures"] = failure_table(failures)
         files += write_all(file.parent, table_files(made))
         if history is not None and solved:
-            keep(sweep, took, table, *history)
+            rows.keep(*history)
     return Swept(file, tuple(files), made, failures, solved)

@@ -1,14 +1,11 @@
 """A sweep: any set of poses by any models; finished jobs are kept, rows come from them alone."""
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import CancelledError
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from threading import Condition
-from typing import Self
-
-import numpy as np
+from time import perf_counter
 
 from analytic import Mechanism, Pose
+from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness.bench import label
 from harness.sweep.engine import Engine, run
@@ -19,6 +16,8 @@ from harness.workers import Failure
 
 FAILURES_SHOWN = 3
 """Poses named for each reason of failure."""
+Failures = dict[tuple[str, str], list[int]]
+"""Numbers of the poses without an answer, by model and reason."""
 
 
 @dataclass(frozen=True)
@@ -39,74 +38,29 @@ class Sweep:
         for start in range(0, len(self.poses), BATCH):
             yield start, min(start + BATCH, len(self.poses))
 
-    def done(self, model: Model, journal: Journal) -> tuple[int, int, int]:
-        """Return the number of jobs of one model, how many are finished, and the poses left."""
-        total = finished = left = 0
-        for job in self.jobs(model):
-            total += 1
-            if job in journal:
-                finished += 1
-            else:
-                left += len(job.poses)
-        return total, finished, left
-
-
-class Finished:
-    """Which blocks of poses are finished, for a thread that reads them while others are solved.
-
-    As a context it says, where it is left before all are, that no more will be.
-    """
-
-    def __init__(self, sweep: Sweep) -> None:
-        self._left = {
-            (model, start): stop - start for model in sweep.models for start, stop in sweep.blocks()
-        }
-        self._over = False
-        self._changed = Condition()
-
-    def tell(self, job: Job) -> None:
-        """Take in a finished job, with or without an answer."""
-        with self._changed:
-            self._left[job.model, job.start // BATCH * BATCH] -= len(job.poses)
-            self._changed.notify_all()
-
-    def wait(self, model: Model, start: int) -> None:
-        """Return when the block from `start` on is finished; raises `CancelledError` if never."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._over or not self._left[model, start])
-            if self._left[model, start]:
-                raise CancelledError
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        with self._changed:
-            self._over = True
-            self._changed.notify_all()
-
-
-Failures = dict[tuple[str, str], list[int]]
-"""Numbers of the poses without an answer, by model and reason."""
+    def answers(
+        self, journal: Journal, model: Model, start: int, stop: int
+    ) -> Iterator[tuple[Job, Answer]]:
+        """Yield the finished jobs of a block of poses, in order."""
+        for job in self.jobs(model, start, stop):
+            answer = journal.get(job)
+            if answer is not None:
+                yield job, answer
 
 
 def complete(
-    sweep: Sweep, journal: Journal, engine: Engine, listeners: Sequence[Callable[[Job], None]]
+    sweep: Sweep, journal: Journal, engine: Engine, listener: Callable[[Job], None]
 ) -> tuple[Failures, int]:
-    """Run what is not in the journal; `listeners` hear of each finished job.
+    """Run what is not in the journal; `listener` hears of each finished job.
 
     Returns what has no answer, and how many jobs were solved, not found in the journal.
     """
-
-    def tell(job: Job) -> None:
-        for listener in listeners:
-            listener(job)
 
     def missing() -> Iterator[Job]:
         for model in sweep.models:
             for job in sweep.jobs(model):
                 if job in journal:
-                    tell(job)
+                    listener(job)
                 else:
                     yield job
 
@@ -120,59 +74,8 @@ def complete(
         else:
             journal.put(job, result)
             solved += 1
-        tell(job)
+        listener(job)
     return {key: sorted(numbers) for key, numbers in sorted(failures.items())}, solved
-
-
-def answers(
-    sweep: Sweep, journal: Journal, model: Model, start: int, stop: int
-) -> Iterator[tuple[Job, Answer]]:
-    """Yield the finished jobs of a block of poses, in order."""
-    for job in sweep.jobs(model, start, stop):
-        answer = journal.get(job)
-        if answer is not None:
-            yield job, answer
-
-
-@dataclass(frozen=True)
-class Timing:
-    """What a model itself took over all runs into a folder: seconds in all, and usually a pose.
-
-    `theories` and `versions` in words: usually one, but a simulator may have others elsewhere.
-    """
-
-    poses: int
-    total: float
-    usual: float | None
-    theories: frozenset[str]
-    versions: frozenset[str]
-
-
-def timings(sweep: Sweep, journal: Journal) -> dict[Model, Timing]:
-    """Return what each model took."""
-    found = {}
-    for model in sweep.models:
-        poses, each, total, theories, versions = 0, [], 0.0, set(), set()
-        for start, stop in sweep.blocks():
-            for job, answer in answers(sweep, journal, model, start, stop):
-                poses += len(job.poses)
-                each.append(answer.seconds / len(job.poses))
-                total += answer.seconds
-                theories.add(answer.theory)
-                versions.add(answer.version)
-        usual = float(np.median(each)) if each else None
-        found[model] = Timing(poses, total, usual, frozenset(theories), frozenset(versions))
-    return found
-
-
-def timing_table(found: dict[Model, Timing]) -> Table:
-    """What each model itself took, over all runs into this folder."""
-    rows: list[tuple[Cell, ...]] = []
-    for model, timing in found.items():
-        usual = "-" if timing.usual is None else Number(1e3 * timing.usual, 4)
-        rows.append((label(model), timing.poses, Number(timing.total, 2), usual))
-    notes = ("ms a pose: the median; seconds: all, with what each process loads for its first job",)
-    return Table("Time", ("Model", "Poses", "Seconds", "ms a pose"), tuple(rows), notes)
 
 
 def failure_table(failures: Failures) -> Table:
@@ -181,8 +84,50 @@ def failure_table(failures: Failures) -> Table:
     for (model, reason), numbers in failures.items():
         named = ", ".join(map(str, numbers[:FAILURES_SHOWN]))
         more = len(numbers) - FAILURES_SHOWN
-        rows.append(
-            (model, len(numbers), f"{named} and {more} more" if more > 0 else named, reason)
-        )
+        named += f" and {more} more" if more > 0 else ""
+        rows.append((model, len(numbers), named, reason))
     notes = ("run the same command again to try these, and only these, anew",)
     return Table("Failures", ("Model", "Poses", "Numbers", "Reason"), tuple(rows), notes)
+
+
+def estimate(sweep: Sweep, journal: Journal, engine: Engine) -> Table:
+    """Return the jobs of each model and the time they will take, from that of one."""
+    rows: list[tuple[Cell, ...]] = []
+    together = 0.0
+    for model in sweep.models:
+        jobs = [(job in journal, len(job.poses)) for job in sweep.jobs(model)]
+        total, done = len(jobs), sum(there for there, _ in jobs)
+        left = sum(poses for there, poses in jobs if not there)
+        each = _seconds_a_pose(sweep, model, engine)
+        if isinstance(each, Failure):
+            rows.append((label(model), total, done, total - done, "-", each.reason))
+            continue
+        seconds = left * each / min(engine.cores, max(1, total - done))
+        together += seconds
+        ms = Number(1e3 * each, 3)
+        rows.append((label(model), total, done, total - done, ms, _duration(seconds)))
+    columns = ("Model", "Jobs", "Done", "To do", "ms a pose", "Time")
+    notes = (
+        f"{len(sweep.poses)} poses; all together {_duration(together)} on {engine.cores} cores, "
+        "from the time of one pose a model",
+    )
+    return Table("Dry run", columns, tuple(rows), notes)
+
+
+def _seconds_a_pose(sweep: Sweep, model: Model, engine: Engine) -> float | Failure:
+    """Return what a pose of one model takes on one core, measured at the first job [s]."""
+    first = next(sweep.jobs(model, 0, CHUNK))
+    for _ in range(2):  # the first time pays for the start of a process
+        began = perf_counter()
+        ((_, result),) = run(engine, [first])
+        elapsed = perf_counter() - began
+    if isinstance(result, Failure):
+        return result
+    return elapsed / len(first.poses)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{seconds:.2g} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60} min"

@@ -50,9 +50,8 @@ class ShapeCheck:
         return relative_error(first.frequencies, reference), pairs.assurance
 
     def _modes(self, model: Model, count: int) -> Modes:
-        wanted = count
+        info, wanted = model.info(), count
         while True:
-            info = model.info()
             modes = model.modes(self.mechanism, self.pose, wanted)
             if info.isolated:
                 modes = checked(modes, info, self.mechanism, self.pose, wanted)
@@ -61,14 +60,9 @@ class ShapeCheck:
             amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))
             bends = np.flatnonzero(amplitude > STILL * amplitude.max())
             if len(bends) >= count:
-                break
+                names = ("frequencies", "platform", "limbs")
+                return replace(modes, **{n: getattr(modes, n)[bends] for n in names}).first(count)
             wanted += count - len(bends)
-        return replace(
-            modes,
-            frequencies=modes.frequencies[bends],
-            platform=modes.platform[bends],
-            limbs=modes.limbs[bends],
-        ).first(count)
 
 
 def worst_table(
@@ -80,27 +74,29 @@ def worst_table(
             sweep.mechanism, sweep.poses[n - 1], errors.model, against, sweep.count, errors.torsion
         )
         for errors in gathered
-        for n in np.unique(errors.where[errors.where > 0]).tolist()
+        for n in sorted({mode.where for mode in errors.modes if mode.where})
     ]
     by_shape = {(task.model, task.pose): result for task, result in run(engine, checks)}
     rows: list[tuple[Cell, ...]] = []
     for errors in gathered:
-        for k, mode in enumerate(errors.modes.tolist() if errors.poses else []):
-            n = int(errors.where[k])
-            pose = sweep.poses[n - 1]
+        for mode in errors.modes:
+            if not mode.where:
+                continue
+            pose = sweep.poses[mode.where - 1]
             result = by_shape[errors.model, pose]
             pairs: tuple[Cell, ...] = ("-", "-")
             if not isinstance(result, Failure):
-                pairs = (cell(result[0][mode - 1], 6, signed=True), cell(result[1][mode - 1], 3))
+                shape, assurance = (values[mode.mode - 1] for values in result)
+                pairs = (cell(shape, 6, signed=True), cell(assurance, 3))
             at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
-            error = cell(float(errors.worst[k]), 6, signed=True)
-            where = (Number(float(value)) for value in at)
-            rows.append((label(errors.model), f"f{mode}", error, *pairs, n, *where))
+            error = cell(mode.worst, 6, signed=True)
+            where: tuple[Cell, ...] = (mode.where, *(Number(float(value)) for value in at))
+            rows.append((label(errors.model), f"f{mode.mode}", error, *pairs, *where))
     labels = shlex.quote(",".join(label(errors.model) for errors in gathered))
     notes = tuple(
         f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
         f"--against {shlex.quote(label(against))}{command}"
-        for n in sorted({n for errors in gathered for n in errors.where.tolist() if n})
+        for n in sorted({mode.where for errors in gathered for mode in errors.modes if mode.where})
     )
     columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
                "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
