@@ -57,7 +57,7 @@ def sink(
         ((height,),) = told.fetchall()
     except duckdb.IOException as error:
         # Some of its errors come as JSON, with what the system said in the middle.
-        raise OSError(reason(error).partition('","')[0].rpartition(": ")[2]) from None
+        raise OSError(reason(error).partition('","errno"')[0].rpartition(": ")[2]) from None
     with path.open("rb") as file:
         os.fsync(file.fileno())
     return int(height)
