@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from analytic import Continuum, Material, Modes, limbs_at
 from analytic.pairing import pair
 from analytic.substructure import platform_mass, rigid_arm
-from analytic.theory import Theory
+from analytic.theory import LEAST_SHEAR, Theory
 from harness.bench import Bench, label
 from harness.cases import Case
 from harness.causes import THEORIES
@@ -23,8 +23,8 @@ from harness.studies.refinement import MESHES, WARY, verify
 from reference_models import Named
 
 Floats = NDArray[np.float64]
-LIGHT, STIFF = 1e-9, 1e9
-"""Density of limbs without mass, part of their own; shear coefficient of limbs without shear."""
+LIGHT, STIFF = 1e-9, 1 / LEAST_SHEAR
+"""Density of limbs without mass, part of their own; the largest shear coefficient there is."""
 BESIDE = 1e-9
 """How far from a root, relative, modes are counted."""
 
