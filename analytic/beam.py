@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.dynamic_stiffness import Sections
 from analytic.modes import STATIONS
+from analytic.waves import Sections
 
 Floats = NDArray[np.float64]
 

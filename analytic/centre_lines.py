@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from analytic.dynamic_stiffness import bending_waves
 from analytic.modes import STATIONS
+from analytic.waves import bending_waves
 from analytic.wittrick_williams import Characteristic, Floats
 
 STRAIGHT = 1e-9

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import beam
-from analytic.dynamic_stiffness import Sections, sections
 from analytic.kinematics import Limbs
 from analytic.mechanism import Mechanism
 from analytic.theory import Theory
+from analytic.waves import Sections, sections
 
 Floats = NDArray[np.float64]
 

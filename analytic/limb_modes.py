@@ -17,7 +17,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from analytic.dynamic_stiffness import Array, Sections, fixed_tip_counts, limb_stiffness
+from analytic.dynamic_stiffness import fixed_tip_counts, limb_stiffness
+from analytic.waves import Array, Sections
 
 MARGIN = 0.4
 """The polynomial reaches this part of the way to the first pole it leaves out."""

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.dynamic_stiffness import Sections, sections
 from analytic.kinematics import limbs_at
 from analytic.limb_modes import DEGREE, limb_modes, units
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose
 from analytic.theory import Theory
+from analytic.waves import Sections, sections
 
 Floats = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from analytic.certified import brackets
 from analytic.continuum import repeated
-from analytic.dynamic_stiffness import Array, Sections, limb_stiffness
+from analytic.dynamic_stiffness import limb_stiffness
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kinematics import limbs_of
@@ -27,6 +27,7 @@ from analytic.modes import check_count
 from analytic.pose import Pose, closure, one_pose, rotation
 from analytic.reduced import constants
 from analytic.theory import Theory
+from analytic.waves import Array, Sections
 from analytic.wittrick_williams import Characteristic, characteristic
 
 STEP = 1e-30

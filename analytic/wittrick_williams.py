@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.dynamic_stiffness import (
-    Sections,
     first_pole,
     limb_response,
     softening_series,
@@ -36,6 +35,7 @@ from analytic.mechanism import Mechanism
 from analytic.pose import Pose
 from analytic.reduced import Constants, constants
 from analytic.theory import Theory
+from analytic.waves import Sections
 
 Floats = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from analytic import STATIONS, Limb, Material, Mechanism, Platform, Rod, Theory
 from analytic.beam import centre_lines, element_matrices, strains
-from analytic.dynamic_stiffness import Sections, sections
+from analytic.waves import Sections, sections
 
 THEORIES = ["euler-bernoulli", "rayleigh", "timoshenko"]
 XZ, YZ = [0, 4, 6, 10], [1, 3, 7, 9]

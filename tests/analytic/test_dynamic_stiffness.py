@@ -7,12 +7,8 @@ from scipy.optimize import brentq
 
 from analytic import Theory
 from analytic.beam import element_matrices
-from analytic.dynamic_stiffness import (
-    fixed_tip_counts,
-    limb_stiffness,
-    sections,
-    torsion_eigenvalues,
-)
+from analytic.dynamic_stiffness import fixed_tip_counts, limb_stiffness, torsion_eigenvalues
+from analytic.waves import sections
 
 THEORIES = [Theory("euler-bernoulli"), Theory("rayleigh"), Theory("timoshenko", 0.9)]
 LENGTHS = np.array([0.45, 0.5, 0.55])

@@ -23,8 +23,9 @@ from analytic import (
     Theory,
     limbs_at,
 )
-from analytic.dynamic_stiffness import limb_stiffness, sections
+from analytic.dynamic_stiffness import limb_stiffness
 from analytic.pairing import pair
+from analytic.waves import sections
 from reference_models import ModelError, UnavailableError, reference
 
 pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')

@@ -9,9 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import InputError, Substructure, work
-from analytic.substructure import DENSE
-from analytic.work import Work
+from analytic import InputError, Substructure
 from harness import published
 from harness.bench import Bench
 from harness.cases import Case
@@ -19,6 +17,7 @@ from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Request
 from harness.result import Result
+from harness.studies.cost.work import counted, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows, whole_number
 from harness.tables import Cell, Number, Table
 from harness.timing import Timed, Timings, Way, time_ways
@@ -35,11 +34,6 @@ MATRICES = 10_000
 LARGE = 8
 """From this s on, growth is fitted a second time: below it, what does not grow dominates."""
 MOST_POSES = 1_000_000
-FORMULATIONS = {
-    "paper": "the paper's independent coordinates",
-    "null-space": "multipliers, null-space",
-    "saddle-point": "multipliers, saddle-point",
-}
 
 
 def _batches(text: str) -> tuple[int, ...]:
@@ -133,8 +127,12 @@ class Cost(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return cost against elements, its growth, counted work, batches, the paper's claims."""
-        found = {"-elements": self._elements_table(), "-growth": self._growth_table(),
-                 "-work": self._work_table(), "-batches": self._batches_table()}  # fmt: skip
+        found = {
+            "-elements": self._elements_table(),
+            "-growth": self._growth_table(),
+            "-work": work_table(self.steps, len(self.case.mechanism.limbs)),
+            "-batches": self._batches_table(),
+        }
         return found | ({"-claims": self._claims_table()} if self.case.published else {})
 
     def _elements_table(self) -> Table:
@@ -183,25 +181,6 @@ class Cost(Result):
         notes = ("median seconds ~ s^exponent, least squares on logarithms; three sizes at least",)
         title = "Growth of cost with the number of elements"
         return Table(title, columns, tuple(rows), notes)
-
-    def _work_table(self) -> Table:
-        """Return what a solution takes on any machine: counted operations and memory."""
-        limbs = len(self.case.mechanism.limbs)
-        rows: list[tuple[Cell, ...]] = []
-        for s in self.steps:
-            own = counted("paper", s, limbs)
-            for name in FORMULATIONS:
-                one = counted(name, s, limbs)
-                rows.append((
-                    FORMULATIONS[name], s, one.dofs, one.nonzeros, Number(one.bytes / 1e3, 1),
-                    Number(one.flops / 1e6, 3), Number(one.flops / own.flops, 2),
-                ))  # fmt: skip
-        columns = ("Formulation", "s", "dofs", "non-zeros of K", "kB", "Mflop", "paper's = 1")
-        notes = (
-            f"by LAPACK up to {DENSE} coordinates of the paper's, sparse elimination and block "
-            "Lanczos above; no language or machine changes these",
-        )
-        return Table("Counted work of one solution", columns, tuple(rows), notes)
 
     @property
     def steps(self) -> list[int]:
@@ -364,14 +343,6 @@ def _loops() -> list[tuple[tuple[str, bool], ...]]:
     from analytic.kernel import compiled
 
     return [(), (("fast", True),)] if compiled() else [()]
-
-
-def counted(formulation: str, s: int, limbs: int) -> Work:
-    """Return the counted work of one of `FORMULATIONS` with `s` elements, solved as it is here."""
-    sparse = limbs * (6 * s - 2) + 6 > DENSE
-    count = {"paper": work.substructure, "null-space": work.null_space,
-             "saddle-point": work.saddle_point}[formulation]  # fmt: skip
-    return count(s, limbs, COUNT, sparse=sparse)
 
 
 def _rival(solver: str) -> str:

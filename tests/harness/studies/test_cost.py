@@ -8,7 +8,8 @@ import pytest
 
 from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.studies.cost import FLOOR, YARDSTICK, Cost, counted, measure
+from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
+from harness.studies.cost.work import counted
 from harness.timing import Timed, Way
 from reference_models import Named
 

@@ -1,0 +1,42 @@
+"""Counted work of the formulations: what no language and no machine changes."""
+
+from collections.abc import Sequence
+
+from analytic import work
+from analytic.substructure import DENSE
+from analytic.work import Work
+from harness.studies.precision import COUNT
+from harness.tables import Cell, Number, Table
+
+FORMULATIONS = {
+    "paper": "the paper's independent coordinates",
+    "null-space": "multipliers, null-space",
+    "saddle-point": "multipliers, saddle-point",
+}
+
+
+def counted(formulation: str, s: int, limbs: int) -> Work:
+    """Return the counted work of one of `FORMULATIONS` with `s` elements, solved as it is here."""
+    sparse = limbs * (6 * s - 2) + 6 > DENSE
+    count = {"paper": work.substructure, "null-space": work.null_space,
+             "saddle-point": work.saddle_point}[formulation]  # fmt: skip
+    return count(s, limbs, COUNT, sparse=sparse)
+
+
+def work_table(steps: Sequence[int], limbs: int) -> Table:
+    """Return what a solution takes on any machine: counted operations and memory."""
+    rows: list[tuple[Cell, ...]] = []
+    for s in steps:
+        own = counted("paper", s, limbs)
+        for name in FORMULATIONS:
+            one = counted(name, s, limbs)
+            rows.append((
+                FORMULATIONS[name], s, one.dofs, one.nonzeros, Number(one.bytes / 1e3, 1),
+                Number(one.flops / 1e6, 3), Number(one.flops / own.flops, 2),
+            ))  # fmt: skip
+    columns = ("Formulation", "s", "dofs", "non-zeros of K", "kB", "Mflop", "paper's = 1")
+    notes = (
+        f"by LAPACK up to {DENSE} coordinates of the paper's, sparse elimination and block "
+        "Lanczos above; no language or machine changes these",
+    )
+    return Table("Counted work of one solution", columns, tuple(rows), notes)
