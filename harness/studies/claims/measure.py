@@ -26,7 +26,7 @@ from harness.studies.claims.facts import (
     Slender,
     Spent,
 )
-from harness.studies.cost import FORMULATIONS, counted
+from harness.studies.cost.work import FORMULATIONS, counted
 from harness.studies.precision import SOLVERS, timed_rows
 from harness.studies.slenderness import slenderness, with_rods
 from harness.studies.workspace import whole

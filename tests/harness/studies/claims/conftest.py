@@ -14,7 +14,7 @@ from harness.studies.claims.data import CANNOT, CHECKS, FAILS, HOLDS, ONLY_IF, C
 from harness.studies.claims.equations import equations
 from harness.studies.claims.facts import CASES, PAPER, Facts, Reference, Spent
 from harness.studies.claims.measure import beams, maps, slender
-from harness.studies.cost import counted
+from harness.studies.cost.work import counted
 
 TABLE = [PRESETS[name] for name in CASES]
 

@@ -17,7 +17,7 @@ from harness.studies.claims import Claims, judge, measure, needed
 from harness.studies.claims.data import Claim, claims, select
 from harness.studies.claims.facts import CASES, PAPER, Facts
 from harness.studies.claims.measure import GROUPS, gather
-from harness.studies.cost import counted
+from harness.studies.cost.work import counted
 from harness.text import request
 from reference_models import Named, UnavailableError
 
