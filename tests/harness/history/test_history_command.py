@@ -211,6 +211,6 @@ def test_a_history_that_cannot_be_written_costs_nothing_else(
     assert answer.err == (
         f"rps-bench: --history = {str(past)!r}: cannot write there (No space left on device)\n"
     )
-    assert (out / "table.csv").exists()
+    assert (out / "table1.csv").exists()
     assert list(past.iterdir()) == []
     assert len(synced) > 1
