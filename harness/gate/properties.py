@@ -82,7 +82,8 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int = MODES
     What the model declares; or, where it shows its matrices: every entry of K and M, in the
     coordinates that are solved for, is known to some roundings, so that |df / f| <= n eps
     (|x|^T |K| |x| + omega^2 |x|^T |M| |x|) / (2 omega^2 x^T M x), with n the coordinates of a limb,
-    as many as a sum has terms.
+    as many as a sum has terms. The eigen-solution of (M, K) adds eps of the largest eigenvalue,
+    which belongs to the lowest elastic mode: eps omega^2 / omega_1^2.
     """
     build = getattr(model, "build", None)
     built = model if build is None or model.info().isolated else build()
@@ -99,9 +100,11 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int = MODES
     y = np.abs(x)
     entries = (y * (np.abs(K) @ y)).sum(axis=0) + values * (y * (np.abs(M) @ y)).sum(axis=0)
     mass = (x * (M @ x)).sum(axis=0)
-    terms = 6 * (model.elements + 1)
+    eps, terms = np.finfo(float).eps, 6 * (model.elements + 1)
+    lowest = values[values > eps**0.5 * values[-1]][0]
     with np.errstate(divide="ignore"):
-        return np.asarray(np.abs(terms * np.finfo(float).eps * entries / (2 * values * mass)))
+        known = np.abs(terms * eps * entries / (2 * values * mass))
+    return np.asarray(known + eps * np.abs(values) / lowest)
 
 
 def rounding(case: Case, *models: Model) -> Floats:

@@ -36,6 +36,7 @@ def connect(path: str = ":memory:", *, streams: bool = False) -> "DuckDBPyConnec
     base.execute("SET enable_progress_bar = false")
     if streams:  # to keep the order of many threads, whatever they have read waits in memory
         base.execute("SET threads = 1")
+        base.execute("SET memory_limit = '32MB'")  # what is more waits on the disk
         base.execute("SET preserve_insertion_order = false")
     return base
 
