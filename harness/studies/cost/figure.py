@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MANY_MARKERS = (*MARKERS, "P", "X", "<", ">", "*", "p")
 
 
-def cost_figure(cost: Cost) -> "Figure":
+def cost_figure(cost: "Cost") -> "Figure":
     """Return (a) one pose against elements and (b) a pose against batch size, both log-log.
 
     Lines join medians; simulators are dashed and hollow.
@@ -55,7 +55,7 @@ def cost_figure(cost: Cost) -> "Figure":
 
 
 def _curve(
-    axes: "Axes", cost: Cost, own: Sequence[Timed], sizes: Sequence[int], yardstick: str, k: int,
+    axes: "Axes", cost: "Cost", own: Sequence[Timed], sizes: Sequence[int], yardstick: str, k: int,
     name: str,
 ) -> None:  # fmt: skip
     simulated = own[0].way.model.info().isolated

@@ -18,7 +18,7 @@ LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
 
-def precision_figure(result: WorkPrecision) -> "Figure":
+def precision_figure(result: "WorkPrecision") -> "Figure":
     """Return error against time, log-log: a column a group of modes, a row a truth.
 
     The front is drawn in colour and its ways are named; what it beats is faint.
@@ -43,7 +43,7 @@ def precision_figure(result: WorkPrecision) -> "Figure":
     return figure
 
 
-def _panel(axes: "Axes", result: WorkPrecision, kind: str, modes: int) -> None:
+def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None:
     known = [p for p in result.points if np.isfinite(p.worst(kind, modes))]
     axes.plot(
         [1e3 * p.seconds for p in known], [max(LEAST, p.worst(kind, modes)) for p in known],
