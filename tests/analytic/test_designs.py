@@ -32,7 +32,7 @@ def some_designs(count: int, seed: int, stoutest: float = 0.15) -> Designs:
     return Designs(
         draw(0.35, 0.8, count), draw(-3, 3, count), tilt, draw(0.1, 0.5, count), r,
         draw(0.03, stoutest, count), draw(60e9, 220e9, count), draw(2000, 9000, count), mass,
-        mass * r**2 * draw(0.2, 0.4, count), mass * r**2 * draw(0.4, 0.6, count),
+        mass * r**2 * draw(0.3, 0.4, count), mass * r**2 * draw(0.4, 0.6, count),
     )  # fmt: skip
 
 
