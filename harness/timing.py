@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Modes, Pose
+from analytic import InputError, Mechanism, Modes, Pose
 from analytic.model import Model
 from analytic.pose import closes
 from harness.bench import Bench, label
 from harness.cases import Case
 from harness.workers import Failure
+from reference_models import UnavailableError
 
 Array = NDArray[np.float64]
 Places = tuple[tuple[Mechanism, Pose], ...]
@@ -226,7 +227,10 @@ def time_ways(
     running: list[_Running] = []
     stopped: set[str] = set()
     for way in ways:
-        if way.method not in stopped:
+        unfit = _unfit(way.model)
+        if unfit:
+            left_out[way.method] = f"not with {way.size} elements ({unfit})"
+        elif way.method not in stopped:
             one = _Running(way, _places(way, cases))
             # What the first call loads or compiles is no cost of the method.
             why = one.call(bench, count) or one.call(bench, count)
@@ -253,6 +257,19 @@ def time_ways(
         failures,
         rounds,
     )
+
+
+def _unfit(model: Model) -> str:
+    """Return why a model cannot have its number of elements, "" if it can."""
+    build = getattr(model, "build", None)
+    try:
+        if build is not None:
+            build()
+    except InputError as error:
+        return str(error)
+    except UnavailableError:  # said when it is asked
+        pass
+    return ""
 
 
 def _places(way: Way, cases: Sequence[Case]) -> Places:
