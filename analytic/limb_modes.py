@@ -90,7 +90,7 @@ def limb_modes(
     return _limb_modes(values, span, elements, level)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=512)
 def _limb_modes(
     values: Values, span: tuple[float, float], elements: int | None, level: int
 ) -> LimbModes | None:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     from harness.studies.precision import WorkPrecision
 
+NAMED = 3.0
+"""Factor in error from one named way to the next."""
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
@@ -54,10 +56,14 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         times = [1e3 * p.seconds for p in front]
         errors = [max(LEAST, p.worst(kind, modes)) for p in front]
         axes.plot(times, errors, "o-", color=colour, ms=6, lw=1.4, drawstyle="steps-post", zorder=2)
+        said = np.inf
         for k, point in enumerate(front):
+            # A way that is hardly better than the last one named goes without a name.
+            if errors[k] > said / NAMED:
+                continue
+            said = errors[k]
             axes.annotate(
-                label(point.model),
-                (times[k], errors[k]), xytext=(6, 5 if k % 2 else -9),
+                label(point.model), (times[k], errors[k]), xytext=(5, -9 if many else 5),
                 textcoords="offset points", fontsize=7, color=colour,
             )  # fmt: skip
     unsure = result.known_to(kind, modes)
@@ -66,4 +72,6 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         axes.text(0.99, 0.01, f"grey band: the truth is known to {percent(unsure)}", fontsize=7,
                   ha="right", va="bottom", transform=axes.transAxes)  # fmt: skip
     axes.set(xscale="log", yscale="log")
+    if unsure:
+        axes.set_ylim(bottom=unsure / 3)
     axes.grid(alpha=0.25)
