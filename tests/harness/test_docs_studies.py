@@ -60,7 +60,7 @@ def test_the_study_of_the_text(copy: Path) -> None:
     assert made.returncode == 0, made.stderr
     names = {path.name for path in (copy / "out").iterdir()}
     assert {"ratios.csv", "ratios.md", "ratios.tex", "ratios-data.csv"} <= names
-    assert "case2: f2/f1 of timoshenko@exact is 1.197" in (copy / "out" / "summary.md").read_text()
+    assert "case2: f2/f1 of timoshenko@exact is 1.197" in (copy / "out" / "findings.md").read_text()
 
 
 @pytest.mark.slow
