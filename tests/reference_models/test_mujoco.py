@@ -61,7 +61,7 @@ def limit(robot: Mechanism, pose: Pose) -> NDArray[np.float64]:
             first = i * (6 * s - 2) + 1 + 6 * (node - 1)
             rows[i, node, first : first + 3] = frame[:, 2]
         rows[i, 0, -6:] = frame[:, 2] @ rigid_arm(arm)
-    return constrained_modes(K, M, rows.reshape(-1, len(K)), 6)[0]
+    return constrained_modes("limit", K, M, rows.reshape(-1, len(K)), 6)[0]
 
 
 def agrees(robot: Mechanism, pose: Pose, refined: tuple[int, int] = REFINED) -> None:
