@@ -5,13 +5,16 @@ __version__ = "0.1.0"
 from analytic.condensed import Condensed, condensed_frequencies
 from analytic.continuum import Continuum
 from analytic.errors import InputError, NotCertifiedError
+from analytic.joint import Freedom, Joint
 from analytic.kinematics import Limbs, limbs_at
-from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
+from analytic.mechanism import Limb, Mechanism
 from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
+from analytic.platform import Platform
 from analytic.pose import Pose, position
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
+from analytic.rod import Body, Link, Material, Rod, Section
 from analytic.sensitivity import frequency_sensitivities
 from analytic.substructure import Substructure
 from analytic.theory import Theory
@@ -19,13 +22,17 @@ from analytic.workspace import Limits, reachable
 
 __all__ = [
     "STATIONS",
+    "Body",
     "Condensed",
     "Continuum",
+    "Freedom",
     "Info",
     "InputError",
+    "Joint",
     "Limb",
     "Limbs",
     "Limits",
+    "Link",
     "Material",
     "Mechanism",
     "Model",
@@ -36,6 +43,7 @@ __all__ = [
     "Pose",
     "RegularWorkspace",
     "Rod",
+    "Section",
     "Substructure",
     "Theory",
     "condensed_frequencies",

@@ -162,7 +162,7 @@ def condensed_frequencies(
         some = poses
         if size > CHUNK:
             rows = slice(first, first + CHUNK)
-            some = Pose(*(np.ravel(x)[rows] for x in (poses.z, poses.azimuth, poses.tilt)))
+            some = poses.ravel()[rows]
         lengths, vectors = geometry(known, mechanism, some)
         result[first : first + CHUNK] = lowest(
             known, lengths, vectors, elements, count, loop, torsion=torsion

@@ -14,7 +14,7 @@ from analytic.condensed import CHUNK, lowest
 from analytic.errors import InputError, count, number
 from analytic.kinematics import limbs_of
 from analytic.mechanism import Material, Mechanism, Platform, Rod
-from analytic.pose import CLOSURE, closure, rotation
+from analytic.pose import CLOSURE, closure, leaned
 from analytic.reduced import constants
 from analytic.theory import Theory
 
@@ -93,7 +93,7 @@ def design_frequencies(
     count("modes", modes)
     steel = Material(1.0, 1 / (2 * (1 + poisson)), 1.0)
     unit = Mechanism.regular(
-        1.0, 1.0, Rod(steel, 1.0), Platform.diagonal(1.0, (1.0, 1.0, 1.0)), heading=heading
+        1.0, 1.0, Rod.round(steel, 1.0), Platform.diagonal(1.0, (1.0, 1.0, 1.0)), heading=heading
     )
     known = constants(unit, Theory(beam, shear))
     lengths, vectors = _geometry(designs, unit)
@@ -116,7 +116,7 @@ def _geometry(designs: Designs, unit: Mechanism) -> tuple[Floats, Floats]:
         (radius / d)[:, None, None] * out
         for radius in (designs.base_radius, designs.platform_radius)
     )
-    R = rotation(designs.azimuth, designs.tilt)
+    R = leaned(designs.azimuth, designs.tilt)
     held = closure(unit, r1, r2, designs.z / d, R)
     limbs = limbs_of(unit.axes, held)
     if limbs.lengths.min(initial=1.0) <= CLOSURE or (np.abs(held.off_plane) > 1e-6).any():

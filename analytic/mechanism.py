@@ -1,181 +1,177 @@
-"""What a manipulator is made of: materials, rods, platform and limbs, in SI units."""
+"""What a manipulator is made of: limbs as chains, a platform, in SI units."""
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError, count, number, vector
+from analytic.joint import Freedom, Joint, direction
+from analytic.platform import Platform
+from analytic.rod import LARGEST, SMALLEST, Body, Link, Material, Rod, Section, Vector
 
-Vector = tuple[float, float, float]
+__all__ = [
+    "LARGEST", "SMALLEST", "Body", "Freedom", "Item", "Joint", "Limb", "Link", "Material",
+    "Mechanism", "Platform", "Rod", "Section", "Vector",
+]  # fmt: skip
 
-ROUNDED = 1e-12
-"""A smaller relative difference of moments of inertia is rounding."""
-SMALLEST, LARGEST = 1e-9, 1e9
-"""Sizes and diameters in metres that are answered: beyond, powers of them leave the numbers."""
+Item = Joint | Rod | Link | Body
+
 MOST_LIMBS = 1000
 """Most limbs of a regular mechanism."""
 
 
 @dataclass(frozen=True)
-class Material:
-    """A linear elastic, isotropic material.
-
-    Attributes: `young` E [Pa], `shear` modulus G [Pa], `density` rho [kg/m^3].
-    Raises `InputError` unless all are positive and -1 < E / 2G - 1 < 0.5.
-    """
-
-    young: float
-    shear: float
-    density: float
-
-    def __post_init__(self) -> None:
-        for name, unit in (("young", "pascals"), ("shear", "pascals"), ("density", "kg/m^3")):
-            number(f"Material.{name}", getattr(self, name), f"a positive {unit}", positive=True)
-        if not self.poisson < 0.5:
-            raise InputError(
-                "Material.shear", self.shear, f"more than a third of young = {self.young}"
-            )
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio, E / 2G - 1."""
-        return self.young / (2 * self.shear) - 1
-
-
-@dataclass(frozen=True)
-class Rod:
-    """A solid round rod of one material; `diameter` d [m]. Its length follows from the pose."""
-
-    material: Material
-    diameter: float
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.material, Material):
-            raise InputError("Rod.material", self.material, "a Material")
-        expected = f"a positive number of metres, {SMALLEST:g} to {LARGEST:g}"
-        diameter = number("Rod.diameter", self.diameter, expected, positive=True)
-        if not SMALLEST <= diameter <= LARGEST:
-            raise InputError("Rod.diameter", self.diameter, expected)
-
-    @property
-    def area(self) -> float:
-        """Cross-section A = pi d^2 / 4 [m^2]."""
-        return math.pi * self.diameter**2 / 4
-
-    @property
-    def second_moment(self) -> float:
-        """Second moment of area I = pi d^4 / 64 about any diameter [m^4]."""
-        return math.pi * self.diameter**4 / 64
-
-    @property
-    def polar_moment(self) -> float:
-        """Polar moment of area J = 2 I [m^4]."""
-        return 2 * self.second_moment
-
-
-@dataclass(frozen=True)
-class Platform:
-    """The rigid moving platform: `mass` [kg], `inertia` about o in the moving frame [kg m^2].
-
-    `inertia` is a symmetric, positive definite 3 x 3 tensor given as three rows of three numbers;
-    a tensor asymmetric by rounding is made symmetric. `form` says in words where it comes from.
-    Raises `InputError` for any other, and for a principal moment above the sum of the others, which
-    no body has.
-    """
-
-    mass: float
-    inertia: tuple[Vector, Vector, Vector]
-    form: str = "given"
-
-    def __post_init__(self) -> None:
-        number("Platform.mass", self.mass, "a positive number of kilograms", positive=True)
-        expected = "a symmetric, positive definite 3 x 3 inertia tensor in kg m^2"
-        try:
-            rows = tuple(vector("Platform.inertia", row, expected) for row in self.inertia)
-        except TypeError:
-            raise InputError("Platform.inertia", self.inertia, expected) from None
-        tensor = np.array(rows)
-        if tensor.shape != (3, 3):
-            raise InputError("Platform.inertia", self.inertia, expected)
-        size = float(np.abs(tensor).max())
-        if np.abs(tensor - tensor.T).max() > ROUNDED * size:
-            raise InputError("Platform.inertia", self.inertia, expected)
-        if (tensor != tensor.T).any():
-            tensor = (tensor + tensor.T) / 2
-            rows = tuple(vector("Platform.inertia", row, expected) for row in tensor.tolist())
-        moments = np.linalg.eigvalsh(tensor)
-        if not moments[0] > 0:
-            raise InputError("Platform.inertia", self.inertia, expected)
-        if moments[0] + moments[1] < moments[2] * (1 - ROUNDED):
-            own = ", ".join(f"{moment:g}" for moment in moments)
-            raise InputError(
-                "Platform.inertia",
-                self.inertia,
-                f"principal moments of which none exceeds the sum of the others, not {own}",
-            )
-        object.__setattr__(self, "inertia", rows)
-
-    @classmethod
-    def diagonal(cls, mass: float, moments: Vector, form: str = "given") -> "Platform":
-        """Return a platform whose moving frame is its principal frame."""
-        x, y, z = vector("moments", moments, "three positive moments of inertia in kg m^2")
-        return cls(mass, ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z)), form)
-
-    @classmethod
-    def disc(cls, radius: float, thickness: float, density: float) -> "Platform":
-        """Return a uniform disc whose middle plane holds o and the points A_i.
-
-        Jx = Jy = m (3 r^2 + h^2) / 12 and Jz = m r^2 / 2.
-        """
-        mass = _disc_mass(radius, thickness, density)
-        across = mass * (3 * radius**2 + thickness**2) / 12
-        return cls.diagonal(mass, (across, across, mass * radius**2 / 2), "disc")
-
-    @classmethod
-    def as_printed(cls, radius: float, thickness: float, density: float) -> "Platform":
-        """Return the inertia of Eq. (8): the disc's mass, and m r2^2 about all three axes."""
-        mass = _disc_mass(radius, thickness, density)
-        moment = mass * radius**2
-        return cls.diagonal(mass, (moment, moment, moment), "Eq. 8 as printed")
-
-
-def _disc_mass(radius: float, thickness: float, density: float) -> float:
-    number("Platform radius", radius, "a positive number of metres", positive=True)
-    number("Platform thickness", thickness, "a positive number of metres", positive=True)
-    number("Platform density", density, "a positive kg/m^3", positive=True)
-    return density * math.pi * radius**2 * thickness
-
-
-@dataclass(frozen=True)
 class Limb:
-    """One R-P-S chain with its actuator locked.
+    """A chain of joints, rods, rigid links and bodies from the base to the platform.
 
-    Attributes: `base` B_i in the global frame [m]; `axis` of its revolute joint, a global
-    direction (normalised here); `platform_point` A_i in the moving frame [m]; the `rod` between.
+    Attributes: `base` B_i, where it starts, in the global frame [m]; `platform_point` A_i, where it
+    ends, in the moving frame [m]; the `chain` from B_i to A_i; `reference`, a global direction: of
+    the limb's axes, z runs along it and y is `reference` without its part along z. By default it is
+    the axis of the first turn in base axes, or else the tangent at the base.
+    All of a chain lies on one line. Of it exactly one thing adapts to the pose: a rod or a link
+    without length, or a slider. Raises `InputError` for any other chain.
     """
 
     base: Vector
-    axis: Vector
     platform_point: Vector
-    rod: Rod
+    chain: tuple[Item, ...]
+    reference: Vector | None = None
 
     def __post_init__(self) -> None:
         three_metres = "three finite coordinates in metres"
         object.__setattr__(self, "base", vector("Limb.base", self.base, three_metres))
         point = vector("Limb.platform_point", self.platform_point, three_metres)
         object.__setattr__(self, "platform_point", point)
-        axis = vector("Limb.axis", self.axis, "a direction other than zero")
-        length = math.hypot(*axis)
-        if length == 0:
-            raise InputError("Limb.axis", self.axis, "a direction other than zero")
-        x, y, z = axis
-        object.__setattr__(self, "axis", (x / length, y / length, z / length))
-        if not isinstance(self.rod, Rod):
-            raise InputError("Limb.rod", self.rod, "a Rod")
+        chain = tuple(self.chain) if isinstance(self.chain, Iterable) else ()
+        if not chain or not all(isinstance(item, (Joint, Rod, Link, Body)) for item in chain):
+            raise InputError("Limb.chain", self.chain, "joints, rods, links and bodies in a row")
+        if not any(isinstance(item, (Rod, Link)) for item in chain):
+            raise InputError("Limb.chain", self.chain, "at least one rod or link")
+        object.__setattr__(self, "chain", chain)
+        sliders = [bool(isinstance(item, Joint) and item.slider) for item in chain]
+        if any(sliders[1:]):
+            raise InputError("Limb.chain", self.chain, "a slider at the base, first in its chain")
+        adapting = sum(sliders) + sum(
+            isinstance(item, (Rod, Link)) and item.length is None for item in chain
+        )
+        if adapting != 1:
+            raise InputError(
+                "Limb.chain",
+                self.described,
+                f"one thing that adapts, a rod without length or a slider, not {adapting}",
+            )
+        if self.reference is not None:
+            object.__setattr__(self, "reference", direction("Limb.reference", self.reference))
+
+    @classmethod
+    def rps(cls, base: Vector, axis: Vector, platform_point: Vector, rod: Rod) -> "Limb":
+        """Return an R-P-S limb with its actuator locked: the paper's.
+
+        `axis` of its revolute joint is a global direction; the `rod` takes its length from the
+        pose.
+        """
+        unit = direction("Limb.axis", axis)
+        if not isinstance(rod, Rod):
+            raise InputError("Limb.rod", rod, "a Rod")
+        return cls(base, platform_point, (Joint.revolute(unit), rod, Joint.spherical()))
+
+    @property
+    def described(self) -> str:
+        """The chain in words, as "U-rod-P-rod-S"."""
+        names = {Rod: "rod", Link: "link", Body: "body"}
+        return "-".join(
+            item.name if isinstance(item, Joint) else names[type(item)] for item in self.chain
+        )
+
+    @cached_property
+    def towards(self) -> Vector:
+        """`reference`, or what stands for it, a unit vector in global axes."""
+        if self.reference is not None:
+            return self.reference
+        for item in self.chain:
+            if isinstance(item, Rod):
+                break
+            for freedom in item.freedoms if isinstance(item, Joint) and item.name != "S" else ():
+                if (freedom.kind, freedom.frame, freedom.across) == ("rotation", "base", False):
+                    return freedom.axis
+        return self._tangent
+
+    @property
+    def _tangent(self) -> Vector:
+        x, y, _ = self.base
+        radius = math.hypot(x, y)
+        return (-y / radius, x / radius, 0.0) if radius > 0 else (0.0, 1.0, 0.0)
+
+    @property
+    def simple(self) -> bool:
+        """Whether this is an ideal R-P-S limb of one rod, as in the paper."""
+        if len(self.chain) != 3:
+            return False
+        first, rod, last = self.chain
+        return (
+            isinstance(first, Joint)
+            and isinstance(rod, Rod)
+            and last == Joint.spherical()
+            and rod.length is None
+            and not first.slider
+            and first == Joint.revolute(first.freedoms[0].axis)
+        )
+
+    def _of_rps(self) -> tuple[Vector, Rod]:
+        if not self.simple:
+            raise InputError("limb", self.described, "an ideal R-rod-S limb for this model")
+        first, rod, _ = self.chain
+        assert isinstance(first, Joint)
+        assert isinstance(rod, Rod)
+        return first.freedoms[0].axis, rod
+
+    @property
+    def axis(self) -> Vector:
+        """The unit revolute axis of an R-P-S limb; raises `InputError` for any other."""
+        return self._of_rps()[0]
+
+    @property
+    def rod(self) -> Rod:
+        """The one rod of an R-P-S limb; raises `InputError` for any other."""
+        return self._of_rps()[1]
+
+    def with_rod(self, rod: Rod) -> "Limb":
+        """Return this R-P-S limb with another rod."""
+        return Limb.rps(self.base, self.axis, self.platform_point, rod)
+
+    @property
+    def rods(self) -> tuple[Rod, ...]:
+        """The rods of the chain, from the base on."""
+        return tuple(item for item in self.chain if isinstance(item, Rod))
+
+    def turned(self, angle: float) -> "Limb":
+        """Return this limb turned by `angle` about the global z axis [rad], platform and all."""
+        c, s = math.cos(angle), math.sin(angle)
+
+        def turn(v: Vector) -> Vector:
+            return (c * v[0] - s * v[1], s * v[0] + c * v[1], v[2])
+
+        def freedom(f: Freedom) -> Freedom:
+            return f if f.frame == "limb" else replace(f, axis=turn(f.axis))
+
+        def item(i: Item) -> Item:
+            if isinstance(i, Joint):
+                # A ball has no axes to turn.
+                same = i == Joint.spherical(i.freedoms[0].stiffness if i.freedoms else 0.0)
+                return i if same else replace(i, freedoms=tuple(map(freedom, i.freedoms)))
+            if isinstance(i, Body) and i.frame == "base":
+                R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+                x, y, z = (tuple(row) for row in (R @ np.array(i.inertia) @ R.T).tolist())
+                return Body(i.mass, (x, y, z), turn(i.centre), i.frame)
+            return i
+
+        reference = None if self.reference is None else turn(self.reference)
+        chain = tuple(map(item, self.chain))
+        return Limb(turn(self.base), turn(self.platform_point), chain, reference)
 
 
 @dataclass(frozen=True)
@@ -219,7 +215,7 @@ class Mechanism:
         )
         return cls(
             tuple(
-                Limb(
+                Limb.rps(
                     base=(r1 * math.cos(a), r1 * math.sin(a), 0.0),
                     axis=(-math.sin(a), math.cos(a), 0.0),
                     platform_point=(r2 * math.cos(a), r2 * math.sin(a), 0.0),
@@ -243,7 +239,7 @@ class Mechanism:
             raise InputError("inertia", inertia, "'disc' or 'printed'")
         steel = Material(young=200e9, shear=77e9, density=7820.0)
         platform = forms[inertia](0.2, 0.02, steel.density)
-        return cls.regular(0.3, 0.2, Rod(steel, 0.1), platform, heading=heading)
+        return cls.regular(0.3, 0.2, Rod.round(steel, 0.1), platform, heading=heading)
 
     @cached_property
     def bases(self) -> NDArray[np.float64]:
@@ -259,6 +255,11 @@ class Mechanism:
     def platform_points(self) -> NDArray[np.float64]:
         """The points A_i, moving frame, shape (n, 3) [m]."""
         return _constant(limb.platform_point for limb in self.limbs)
+
+    @property
+    def simple(self) -> bool:
+        """Whether all limbs are the paper's, and o is the platform's centre of mass."""
+        return all(limb.simple for limb in self.limbs) and not any(self.platform.centre)
 
     @cached_property
     def across(self) -> NDArray[np.float64]:

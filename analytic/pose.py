@@ -1,6 +1,6 @@
 """Where the platform is: tilt-and-torsion angles and height, Eqs. (1)-(2)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,37 +14,88 @@ CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
 
 
+FIELDS = {
+    "z": "metres",
+    "azimuth": "radians",
+    "tilt": "radians",
+    "torsion": "radians",
+    "x": "metres",
+    "y": "metres",
+}
+
+
 @dataclass(frozen=True)
 class Pose:
-    """Height `z` of o [m], `azimuth` phi and `tilt` theta of Eq. (1) [rad].
+    """Where o is, and how the platform is turned: scalars give one pose, arrays give many.
 
-    Scalars give one pose; arrays (broadcast against each other) give many. Zero torsion: the
-    platform leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees.
-    Raises `InputError` for anything that is not finite, or a z beyond 1e9 m.
+    Attributes: height `z` of o [m]; `azimuth` phi and `tilt` theta of Eq. (1) [rad]: the platform
+    leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees; `torsion`, by which it is
+    turned about its own z before that [rad]; `x` and `y` of o [m], None where the limbs' hinges are
+    to say (Eq. 2). Any position and rotation can be stated so: see `at`.
+    Raises `InputError` for anything that is not finite, or a coordinate beyond 1e9 m.
     """
 
     z: Any
     azimuth: Any = 0.0
     tilt: Any = 0.0
+    torsion: Any = 0.0
+    x: Any = None
+    y: Any = None
 
     def __post_init__(self) -> None:
+        names = [name for name in FIELDS if getattr(self, name) is not None]
+        if (self.x is None) != (self.y is None):
+            raise InputError("Pose", f"x={self.x}, y={self.y}", "both x and y, or neither")
         values = []
-        for name, unit in (("z", "metres"), ("azimuth", "radians"), ("tilt", "radians")):
+        for name in names:
             given = getattr(self, name)
+            unit = FIELDS[name]
             try:
                 value = np.asarray(given, dtype=float)
             except (TypeError, ValueError):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}") from None
-            if not np.isfinite(value).all() or (name == "z" and (np.abs(value) > LARGEST).any()):
+            if not np.isfinite(value).all() or (
+                unit == "metres" and (np.abs(value) > LARGEST).any()
+            ):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}")
             values.append(value)
         try:
             shaped = np.broadcast_arrays(*values)
         except ValueError:
             shapes = ", ".join(str(value.shape) for value in values)
-            raise InputError("Pose", shapes, "z, azimuth and tilt of matching shapes") from None
-        for name, value in zip(("z", "azimuth", "tilt"), shaped, strict=True):
+            raise InputError("Pose", shapes, f"{', '.join(names)} of matching shapes") from None
+        for name, value in zip(names, shaped, strict=True):
             object.__setattr__(self, name, float(value) if value.ndim == 0 else value.copy())
+
+    @classmethod
+    def at(cls, position: Any, rotation: Any = None) -> "Pose":
+        """Return the pose with o at `position` (..., 3) [m], turned by `rotation` (..., 3, 3).
+
+        None: not turned. Raises `InputError` for a matrix that is no rotation to 1e-9.
+        """
+        try:
+            o = np.asarray(position, dtype=float)
+            R = np.eye(3) if rotation is None else np.asarray(rotation, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError("Pose.at", position, "numbers") from None
+        if o.shape[-1:] != (3,) or R.shape[-2:] != (3, 3):
+            raise InputError("Pose.at", o.shape, "a position (..., 3) and a rotation (..., 3, 3)")
+        if not (
+            np.abs(R @ R.swapaxes(-1, -2) - np.eye(3)).max() <= 1e-9
+            and (np.linalg.det(R) > 0).all()
+        ):
+            raise InputError("Pose.at", R.tolist(), "a rotation matrix")
+        normal = R[..., 2]
+        azimuth = np.arctan2(normal[..., 1], normal[..., 0])
+        tilt = np.arctan2(np.hypot(normal[..., 0], normal[..., 1]), normal[..., 2])
+        left = leaned(azimuth, tilt).swapaxes(-1, -2) @ R
+        torsion = np.arctan2(left[..., 1, 0], left[..., 0, 0])
+        return cls(o[..., 2], azimuth, tilt, torsion, o[..., 0], o[..., 1])
+
+    @classmethod
+    def planar(cls, x: Any, y: Any, angle: Any = 0.0, z: Any = 0.0) -> "Pose":
+        """Return the pose of a platform that stays in a plane: turned by `angle` about z [rad]."""
+        return cls(z, 0.0, 0.0, angle, x, y)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -57,18 +108,33 @@ class Pose:
         return self.shape[0]
 
     def __getitem__(self, index: Any) -> "Pose":
-        return Pose(self.z[index], self.azimuth[index], self.tilt[index])
+        return self._each(lambda value: value[index])
 
     def __iter__(self) -> Iterator["Pose"]:
         return (self[i] for i in range(len(self)))
 
+    def ravel(self) -> "Pose":
+        """Return the poses in one row."""
+        return self._each(np.ravel)
+
+    def _each(self, change: Callable[[Any], Any]) -> "Pose":
+        values = {name: getattr(self, name) for name in FIELDS}
+        return Pose(**{k: None if v is None else change(v) for k, v in values.items()})
+
     @property
     def rotation(self) -> NDArray[np.float64]:
         """R of Eq. (1), moving to global frame, shape (*shape, 3, 3)."""
-        return rotation(self.azimuth, self.tilt)
+        lean = leaned(self.azimuth, self.tilt)
+        if not np.any(self.torsion):
+            return lean
+        c, s = np.cos(self.torsion), np.sin(self.torsion)
+        about = np.zeros_like(lean)
+        about[..., 0, 0] = about[..., 1, 1] = c
+        about[..., 1, 0], about[..., 0, 1], about[..., 2, 2] = s, -s, 1.0
+        return np.asarray(lean @ about)
 
 
-def rotation(azimuth: Any, tilt: Any) -> NDArray[Any]:
+def leaned(azimuth: Any, tilt: Any) -> NDArray[Any]:
     """Return R of Eq. (1) at angles of one shape [rad], real or complex, shape (..., 3, 3)."""
     c_phi, s_phi = np.cos(azimuth), np.sin(azimuth)
     c_tilt, s_tilt = np.cos(tilt), np.sin(tilt)
@@ -100,19 +166,25 @@ class Closure:
 
 
 def closure(
-    mechanism: Mechanism, bases: NDArray[Any], points: NDArray[Any], z: Any, R: NDArray[Any]
+    mechanism: Mechanism,
+    bases: NDArray[Any],
+    points: NDArray[Any],
+    z: Any,
+    R: NDArray[Any],
+    given: NDArray[Any] | None = None,
 ) -> Closure:
     """Return the platform at height `z` (...) turned by `R` (..., 3, 3), real or complex.
 
     Each revolute joint keeps its limb in the plane through B_i normal to its axis e_i, so x and y
     solve e_i . (o + R A_i - B_i) = 0 for all i. The axes e_i are those of `mechanism`; `bases` B_i
-    and `points` A_i have shape (..., n, 3). Nothing is refused: see `closed`.
+    and `points` A_i have shape (..., n, 3). x and y may be `given` (..., 2) instead. Nothing is
+    refused: see `closed`.
     """
     axes = mechanism.axes
     arms = points @ R.swapaxes(-1, -2)
     height = np.asarray(z)[..., None]
     gap = ((arms - bases) * axes).sum(axis=-1) + axes[:, 2] * height
-    across = -gap @ mechanism.across.T
+    across = -gap @ mechanism.across.T if given is None else given
     o = np.concatenate([across, height], axis=-1)
     vectors = o[..., None, :] + arms - bases
     return Closure(R, o, arms, vectors, (vectors * axes).sum(axis=-1))
@@ -157,7 +229,8 @@ def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
 def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
     check_poses(mechanism, pose)
     points = mechanism.platform_points
-    return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation)
+    given = None if pose.x is None else np.stack([pose.x, pose.y], axis=-1)
+    return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation, given)
 
 
 def check_poses(mechanism: Any, poses: Any) -> None:

@@ -24,7 +24,7 @@ from analytic.errors import count as whole
 from analytic.kinematics import limbs_of
 from analytic.mechanism import Mechanism
 from analytic.modes import check_count
-from analytic.pose import Pose, closure, one_pose, rotation
+from analytic.pose import Pose, closure, leaned, one_pose
 from analytic.reduced import constants
 from analytic.theory import Theory
 from analytic.waves import Array, Sections
@@ -178,7 +178,7 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
         mechanism.platform_points, step("platform_radius", np.zeros(len(rods)), limbs)
     )
     z, azimuth, tilt = (step(key, [getattr(pose, key)])[0] for key in POSE)
-    held = closure(mechanism, bases, points, z, rotation(azimuth, tilt))
+    held = closure(mechanism, bases, points, z, leaned(azimuth, tilt))
     limbs = limbs_of(mechanism.axes, held)
     # A change that the joints allow keeps every A_i in its revolute joint's plane.
     aside, moved = np.abs(held.off_plane.imag) / size, np.abs(held.vectors.imag) / size

@@ -68,7 +68,7 @@ def margins(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
     check_poses(mechanism, poses)
     if not isinstance(limits, Limits):
         raise InputError("limits", limits, "Limits")
-    flat = Pose(*(np.ravel(value) for value in (poses.z, poses.azimuth, poses.tilt)))
+    flat = poses.ravel()
     result = np.full((len(flat), len(mechanism.limbs), len(CONSTRAINTS)), np.nan)
     closed: Any = slice(None)
     try:

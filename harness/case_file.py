@@ -118,7 +118,7 @@ def _mechanism(table: Table, where: str) -> Mechanism:
     return Mechanism.regular(
         _get(table, where, "base_radius_mm") / 1000,
         _get(table, where, "platform_radius_mm") / 1000,
-        Rod(material, _get(table, where, "rod_diameter_mm") / 1000),
+        Rod.round(material, _get(table, where, "rod_diameter_mm") / 1000),
         platform,
         limbs=limbs,
         heading=float(np.radians(_get(table, where, "heading_deg", 0.0))),
@@ -151,9 +151,9 @@ def _limb(limb: Any, where: str, table: Table, material: Material) -> Limb:
         x, y, z = vector(f"{where}.{key}", limb.get(key), "three coordinates in millimetres")
         return x / 1000, y / 1000, z / 1000
 
-    return Limb(
+    return Limb.rps(
         metres("base_mm"),
         limb.get("axis", ()),
         metres("platform_point_mm"),
-        Rod(material, diameter / 1000),
+        Rod.round(material, diameter / 1000),
     )

@@ -58,7 +58,7 @@ class Units:
         base, point = (
             _three([x / self.length for x in place]) for place in (limb.base, limb.platform_point)
         )
-        return Limb(base, limb.axis, point, Rod(own, limb.rod.diameter / self.length))
+        return Limb.rps(base, limb.axis, point, Rod.round(own, limb.rod.diameter / self.length))
 
     def pose(self, given: Pose) -> Pose:
         """Return a pose, given in SI, in these units."""

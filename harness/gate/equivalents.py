@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Material, Mechanism, Pose
+from analytic import Limb, Material, Mechanism, Pose, Rod
 from analytic.mechanism import Vector
 from analytic.model import Model
 from harness.bench import SPARE, Bench
@@ -57,12 +57,11 @@ def restated(
 
     def change(mechanism: Mechanism, pose: Pose) -> Changed:
         limbs = tuple(
-            replace(
-                limb,
-                base=vector(length * np.array(limb.base)),
-                axis=vector(limb.axis),
-                platform_point=vector(length * np.array(limb.platform_point)),
-                rod=replace(limb.rod, diameter=length * limb.rod.diameter),
+            Limb.rps(
+                vector(length * np.array(limb.base)),
+                vector(limb.axis),
+                vector(length * np.array(limb.platform_point)),
+                Rod.round(limb.rod.material, length * limb.rod.diameter),
             )
             for limb in mechanism.limbs
         )
@@ -81,7 +80,7 @@ def with_material(change: Callable[[Material], Material]) -> Change:
 
     def changed(mechanism: Mechanism, pose: Pose) -> Changed:
         limbs = tuple(
-            replace(limb, rod=replace(limb.rod, material=change(limb.rod.material)))
+            limb.with_rod(replace(limb.rod, material=change(limb.rod.material)))
             for limb in mechanism.limbs
         )
         return replace(mechanism, limbs=limbs), pose

@@ -117,7 +117,7 @@ def with_rods(case: Case, ratio: float) -> Case:
     """Return `case` with every rod's diameter `ratio` times the mean limb length, and named so."""
     diameter = ratio * float(limbs_at(case.mechanism, case.pose).lengths.mean())
     limbs = tuple(
-        replace(limb, rod=Rod(limb.rod.material, diameter)) for limb in case.mechanism.limbs
+        limb.with_rod(Rod.round(limb.rod.material, diameter)) for limb in case.mechanism.limbs
     )
     mechanism = Mechanism(limbs, case.mechanism.platform)
     return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=mechanism)

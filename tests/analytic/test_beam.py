@@ -24,7 +24,7 @@ rods = st.builds(Rod, materials, st.floats(1e-3, 0.5))
 
 
 def alone(rod: Rod, theory: Theory) -> Sections:
-    limb = Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
+    limb = Limb.rps((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
     return sections(Mechanism((limb,), Platform.diagonal(1.0, (1.0, 1.0, 1.0))), theory)
 
 

@@ -219,7 +219,7 @@ def mechanisms(draw, most=12):
         tip = [0, 0, height] + pose.rotation @ point
         base = tip - [0, 0, height] + random.normal(size=3) * size * spread * [1, 1, 0.2]
         base = base + axis * (axis @ (tip - base))
-        limbs.append(Limb(tuple(base), tuple(axis), tuple(point), rod))
+        limbs.append(Limb.rps(tuple(base), tuple(axis), tuple(point), rod))
     return Mechanism(tuple(limbs), platform), pose
 
 
@@ -302,7 +302,7 @@ def tip_mass(size=1.0):
     """A cantilever with a point mass of its own mass at the tip."""
     rod = Rod(Material(200e9, 77e9, 7800.0), 0.02 * size)
     mass = 7800.0 * rod.area * size
-    limb = Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
+    limb = Limb.rps((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
     return Mechanism((limb,), Platform.diagonal(mass, (4e-5 * mass * size**2,) * 3)), Pose(size)
 
 
@@ -324,7 +324,7 @@ def test_free_motions_are_zero_and_the_rest_exact(size):
 def test_frequencies_scale_as_one_over_size(robot, case2, size, beam):
     def grown(k):
         limbs = (
-            Limb(
+            Limb.rps(
                 tuple(k * x for x in limb.base),
                 limb.axis,
                 tuple(k * x for x in limb.platform_point),
@@ -347,7 +347,7 @@ def test_what_cannot_be_certified_is_said():
     """Limbs parallel to 1e-11 leave a motion too slow to tell."""
     rod, tilt = Rod(STEEL, 0.02), 1e-11
     limbs = tuple(
-        Limb((x + tilt * k**2, y, 0), (0, 1, 0), (x, y, 0), rod)
+        Limb.rps((x + tilt * k**2, y, 0), (0, 1, 0), (x, y, 0), rod)
         for k, (x, y) in enumerate([(0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1)])
     )
     robot = Mechanism(limbs, Platform.disc(0.2, 0.02, 7820.0))

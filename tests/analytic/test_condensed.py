@@ -114,7 +114,7 @@ def test_different_rods(elements):
     regular = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), PLATE, limbs=4)
     rods = [Rod(STEEL, 0.05), Rod(Material(70e9, 26e9, 2700), 0.03), Rod(STEEL, 0.02)]
     limbs = [
-        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        Limb.rps(limb.base, limb.axis, limb.platform_point, rod)
         for limb, rod in zip(regular.limbs, [*rods, rods[0]], strict=True)
     ]
     inertia = ((0.2, 0.03, 0.01), (0.03, 0.3, 0.02), (0.01, 0.02, 0.4))

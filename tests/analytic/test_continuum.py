@@ -58,7 +58,7 @@ def mixed_robot() -> Mechanism:
     paper = Mechanism.regular(0.3, 0.2, Rod(Material(70e9, 26e9, 2700), 0.04), PLATE, limbs=4)
     rods = [Rod(Material(200e9, 77e9, 7820), d) for d in (0.03, 0.05, 0.02)]
     limbs = [
-        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        Limb.rps(limb.base, limb.axis, limb.platform_point, rod)
         for limb, rod in zip(paper.limbs, [*rods, paper.limbs[3].rod], strict=True)
     ]
     return Mechanism(tuple(limbs), Platform.diagonal(12.0, (0.1, 0.2, 0.3)))

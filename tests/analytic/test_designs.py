@@ -81,7 +81,7 @@ def test_mirrored_frames_are_those_of_limbs_from_above():
         robot, pose = mechanism(one, i)
         tips = limbs_at(robot, pose).arms[:, 2] + pose.z
         hanging = [
-            Limb((*limb.base[:2], 2 * tip), limb.axis, limb.platform_point, limb.rod)
+            Limb.rps((*limb.base[:2], 2 * tip), limb.axis, limb.platform_point, limb.rod)
             for limb, tip in zip(robot.limbs, tips, strict=True)
         ]
         above = Substructure(3).modes(Mechanism(tuple(hanging), robot.platform), pose)

@@ -104,7 +104,7 @@ def test_the_bad_pose_of_many_is_named(robot: Mechanism) -> None:
 
 
 def test_a_tilted_revolute_axis_still_closes(robot: Mechanism) -> None:
-    limb = Limb((0.3, 0, 0), (0, 1, 0.5), (0.2, 0, 0), robot.limbs[0].rod)
+    limb = Limb.rps((0.3, 0, 0), (0, 1, 0.5), (0.2, 0, 0), robot.limbs[0].rod)
     tilted = Mechanism((limb,), robot.platform)
     frame = limbs_at(tilted, Pose(0.4)).frames[0]
     np.testing.assert_allclose(frame[:, 1], np.array([0, 1, 0.5]) / np.hypot(1, 0.5), atol=1e-14)

@@ -13,6 +13,7 @@ from analytic import (
     Platform,
     Pose,
     Rod,
+    Section,
     Substructure,
     condensed_frequencies,
     frequency_sensitivities,
@@ -25,11 +26,11 @@ def with_rods(robot, name, step, which):
         rod = limb.rod
         if which is None or i == which:
             if name == "diameter":
-                rod = replace(rod, diameter=rod.diameter + step)
+                rod = replace(rod, section=Section.round(rod.diameter + step))
             else:
                 changed = {name: getattr(rod.material, name) + step}
                 rod = replace(rod, material=replace(rod.material, **changed))
-        limbs.append(replace(limb, rod=rod))
+        limbs.append(limb.with_rod(rod))
     return replace(robot, limbs=tuple(limbs))
 
 

@@ -77,7 +77,9 @@ def test_axes_exactly_along_x(quarters: int) -> None:
         return v
 
     paper = Mechanism.paper()
-    limbs = [Limb(turn(b.base), turn(b.axis), turn(b.platform_point), b.rod) for b in paper.limbs]
+    limbs = [
+        Limb.rps(turn(b.base), turn(b.axis), turn(b.platform_point), b.rod) for b in paper.limbs
+    ]
     assert 0.0 in limbs[0].axis[:2]
     pose = Pose(0.49, np.radians(10) + quarters * np.pi / 2, np.radians(-12))
     turned = Mechanism(tuple(limbs), paper.platform)
@@ -169,7 +171,7 @@ def test_static_stiffness_of_one_limb_by_hand() -> None:
     """One vertical limb held by nothing but itself: its tip moves on EA/L and 3 EI/L^3."""
     steel = Material(200e9, 77e9, 7820)
     rod, L = Rod(steel, 0.03), 0.5
-    limb = Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
+    limb = Limb.rps((0, 0, 0), (0, 1, 0), (0, 0, 0), rod)
     robot = Mechanism((limb,), Platform.diagonal(1e4, (1.0, 1.0, 1.0)))
     omega = 2 * np.pi * Substructure(4).modes(robot, Pose(L), 6).frequencies
     stiffness = 1e4 * omega**2  # the platform's mass dwarfs the limb's
@@ -200,7 +202,7 @@ def test_more_elements_never_raise_a_frequency(pose: Pose, beam: str) -> None:
 STEEL = Material(200e9, 77e9, 7820)
 PLATE = Platform.disc(0.2, 0.02, 7820)
 TIP = Mechanism(
-    (Limb((0, 0, 0), (0, 1, 0), (0, 0, 0), Rod(STEEL, 0.02)),),
+    (Limb.rps((0, 0, 0), (0, 1, 0), (0, 0, 0), Rod(STEEL, 0.02)),),
     Platform(2.45, ((1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4))),
 )
 LOOSE = {
@@ -276,7 +278,7 @@ def test_solvers_end_whatever_the_rods() -> None:
     plastic = Material(3e9, 1.1e9, 1200.0)
     paper = Mechanism.paper()
     limbs = tuple(
-        Limb(x.base, x.axis, x.platform_point, Rod(m, 3e-4))
+        Limb.rps(x.base, x.axis, x.platform_point, Rod(m, 3e-4))
         for x, m in zip(paper.limbs, (STEEL, plastic, plastic), strict=True)
     )
     robot = Mechanism(limbs, paper.platform)
@@ -301,7 +303,7 @@ def test_the_pair_is_the_papers_product(s: int, case2: Pose) -> None:
     """K = Q^T (sum H_i^T K_i H_i) Q as printed, matrix by matrix, for limbs unlike each other."""
     regular = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.1), PLATE, limbs=3, heading=0.4)
     limbs = [
-        Limb(x.base, x.axis, x.platform_point, Rod(STEEL, d))
+        Limb.rps(x.base, x.axis, x.platform_point, Rod(STEEL, d))
         for x, d in zip(regular.limbs, (0.1, 0.05, 0.03), strict=True)
     ]
     robot, pose = Mechanism(tuple(limbs), PLATE), Pose(0.49, 0.6, 0.2)
@@ -375,7 +377,7 @@ def test_unequal_limbs_and_any_inertia() -> None:
     inertia = ((0.3, 0.05, 0.0), (0.05, 0.4, 0.02), (0.0, 0.02, 0.5))
     limbs = Mechanism.regular(0.3, 0.2, whole, Platform(20, inertia)).limbs
     last = limbs[2]
-    halves = (Limb(last.base, last.axis, last.platform_point, half),) * 2
+    halves = (Limb.rps(last.base, last.axis, last.platform_point, half),) * 2
     pose = Pose(0.5, 0.3, 0.2)
     one = frequencies(Mechanism(limbs, Platform(20, inertia)), pose)
     split = Mechanism((*limbs[:2], *halves), Platform(20, inertia))

@@ -42,7 +42,7 @@ Poses = Callable[[int, int], Pose]
 
 
 def with_rods(robot: Mechanism, *rods: Rod) -> Mechanism:
-    limbs = tuple(replace(limb, rod=rod) for limb, rod in zip(robot.limbs, rods, strict=True))
+    limbs = tuple(limb.with_rod(rod) for limb, rod in zip(robot.limbs, rods, strict=True))
     return replace(robot, limbs=limbs)
 
 

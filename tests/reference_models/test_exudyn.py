@@ -155,7 +155,7 @@ def test_only_the_angle_to_the_limbs_matters(model: Any, robot: Mechanism, case2
 
 
 def with_rods(robot: Mechanism, *rods: Rod) -> Mechanism:
-    limbs = tuple(replace(limb, rod=rod) for limb, rod in zip(robot.limbs, rods, strict=True))
+    limbs = tuple(limb.with_rod(rod) for limb, rod in zip(robot.limbs, rods, strict=True))
     return replace(robot, limbs=limbs)
 
 
@@ -168,7 +168,7 @@ def skewed() -> Mechanism:
     limbs = []
     for base, tip, rod, near in zip(bases, tips, rods, aside, strict=True):
         along = np.add(tip, (0, 0, 0.5)) - base
-        limbs.append(Limb(base, tuple(np.cross(along, near)), tip, rod))
+        limbs.append(Limb.rps(base, tuple(np.cross(along, near)), tip, rod))
     inertia = ((0.5, 0.05, -0.1), (0.05, 0.3, 0.08), (-0.1, 0.08, 0.6))
     return Mechanism(tuple(limbs), Platform(17.0, inertia))
 

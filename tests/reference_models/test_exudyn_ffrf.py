@@ -57,7 +57,7 @@ def test_unequal_limbs_any_platform() -> None:
     rods = [Rod(steel, 0.05), Rod(alloy, 0.09), Rod(steel, 0.08), Rod(steel, 0.06)]
     four = Mechanism.regular(0.3, 0.2, rods[0], platform, limbs=4, heading=np.radians(20))
     limbs = (
-        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        Limb.rps(limb.base, limb.axis, limb.platform_point, rod)
         for limb, rod in zip(four.limbs, rods, strict=True)
     )
     agrees(Mechanism(tuple(limbs), platform), Pose(0.5, np.radians(20), np.radians(8)))

@@ -143,7 +143,7 @@ FLAT = Platform.diagonal(20.0, (0.3, 0.6, 0.9))  # no thickness: A + B = C, but 
 def uneven(robot: Mechanism, platform: Platform) -> Mechanism:
     rods = [Rod(STEEL, 0.05), Rod(ALLOY, 0.09), Rod(STEEL, 0.08), Rod(ALLOY, 0.06)]
     limbs = (
-        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        Limb.rps(limb.base, limb.axis, limb.platform_point, rod)
         for limb, rod in zip(robot.limbs, rods, strict=False)
     )
     return Mechanism(tuple(limbs), platform)

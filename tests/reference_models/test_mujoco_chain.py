@@ -115,7 +115,7 @@ def test_four_unequal_limbs(beam: str) -> None:
     four = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.05), SKEW, limbs=4, heading=np.radians(20))
     rods = [Rod(STEEL, 0.05), Rod(ALLOY, 0.09), Rod(STEEL, 0.08), Rod(ALLOY, 0.06)]
     limbs = (
-        Limb(limb.base, limb.axis, limb.platform_point, rod)
+        Limb.rps(limb.base, limb.axis, limb.platform_point, rod)
         for limb, rod in zip(four.limbs, rods, strict=True)
     )
     pose = Pose(0.5, np.radians(20), np.radians(8))

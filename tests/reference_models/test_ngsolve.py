@@ -212,7 +212,7 @@ def test_limbs_twist_by_themselves(robot: Mechanism, case1: Pose) -> None:
 def test_limbs_may_differ_and_be_any_number() -> None:
     light = Rod(Material(70e9, 26e9, 2700.0), 0.06)
     robot = Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.08), Platform.disc(0.2, 0.02, 7820), limbs=4)
-    mixed = replace(robot, limbs=(replace(robot.limbs[0], rod=light), *robot.limbs[1:]))
+    mixed = replace(robot, limbs=(robot.limbs[0].with_rod(light), *robot.limbs[1:]))
     pose = Pose(0.8)
     found = NgsolveSolid(1).modes(mixed, pose)
     beam = Substructure(16, beam="timoshenko").modes(mixed, pose)
@@ -289,7 +289,7 @@ def test_misuse_is_named(robot: Mechanism, call: Callable[[Mechanism], Any], wor
 
 def test_a_pose_out_of_the_joints_reach_is_refused(robot: Mechanism) -> None:
     first = robot.limbs[0]
-    skewed = Limb(first.base, (1.0, 1.0, 0.0), first.platform_point, first.rod)
+    skewed = Limb.rps(first.base, (1.0, 1.0, 0.0), first.platform_point, first.rod)
     with pytest.raises(InputError, match="revolute joint's plane"):
         NgsolveSolid(1).modes(replace(robot, limbs=(skewed, *robot.limbs[1:])), Pose(0.49, 0, 0.2))
 
@@ -297,7 +297,7 @@ def test_a_pose_out_of_the_joints_reach_is_refused(robot: Mechanism) -> None:
 def test_slender_rods_converge_too(robot: Mechanism, case1: Pose) -> None:
     """Modes 60 times apart: rounding of the lowest must not look like the highest's error."""
     thin = Rod(robot.limbs[0].rod.material, 0.02)
-    limbs = tuple(replace(limb, rod=thin) for limb in robot.limbs)
+    limbs = tuple(limb.with_rod(thin) for limb in robot.limbs)
     slender = Mechanism(limbs, robot.platform)
     found = NgsolveSolid(2).modes(slender, case1, 10).frequencies
     exact = Continuum("timoshenko").modes(slender, case1, 10).frequencies

@@ -42,7 +42,7 @@ def test_joints_close_along_the_axes_as_given(
 ) -> None:
     paper = Mechanism.paper()
     limbs = tuple(
-        Limb(
+        Limb.rps(
             tuple(size * x for x in limb.base),  # type: ignore[arg-type]
             limb.axis,
             tuple(size * x for x in limb.platform_point),  # type: ignore[arg-type]
@@ -61,7 +61,7 @@ def test_joints_close_along_the_axes_as_given(
 
 def test_what_cannot_close_is_named(robot: Mechanism) -> None:
     first = robot.limbs[0]
-    skewed = replace(first, axis=(1.0, 1.0, 0.0))
+    skewed = Limb.rps(first.base, (1.0, 1.0, 0.0), first.platform_point, first.rod)
     with pytest.raises(InputError, match=r"not 3\.2e-02 m beside it"):
         place(replace(robot, limbs=(skewed, *robot.limbs[1:])), Pose(0.49, 0, 0.2))
     flat = Mechanism.regular(0.2, 0.2, first.rod, robot.platform)

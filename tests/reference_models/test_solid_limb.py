@@ -145,7 +145,7 @@ def test_rods_and_octaves_may_differ(model: SolidLimb) -> None:
     light = Rod(Material(100e9, 38.5e9, 4400.0), 0.06)  # the same Poisson ratio: one table
     steel = Rod(Material(200e9, 77e9, 7820.0), 0.08)
     robot = Mechanism.regular(0.3, 0.2, steel, Platform.disc(0.2, 0.02, 7820.0), limbs=4)
-    mixed = replace(robot, limbs=(replace(robot.limbs[0], rod=light), *robot.limbs[1:]))
+    mixed = replace(robot, limbs=(robot.limbs[0].with_rod(light), *robot.limbs[1:]))
     pose = Pose(0.62)
     truth = NgsolveSolid(*COARSE).modes(mixed, pose).frequencies
     np.testing.assert_allclose(model.frequencies(mixed, pose), truth, rtol=2e-5)

@@ -67,7 +67,7 @@ def stiffer_limb(mechanism: Mechanism, pose: Pose) -> tuple[Mechanism, Pose]:
     first, second, third = mechanism.limbs
     steel = second.rod.material
     stiffer = Material(steel.young * (1 + 1e-6), steel.shear * (1 + 1e-6), steel.density)
-    wrong: Limb = replace(second, rod=replace(second.rod, material=stiffer))
+    wrong: Limb = second.with_rod(replace(second.rod, material=stiffer))
     return replace(mechanism, limbs=(first, wrong, third)), pose
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analytic import Material, Mechanism, Platform, Pose
+from analytic import Material, Mechanism, Platform, Pose, Rod
 from harness.bench import Bench
 from harness.cases import PRESETS, Case
 from harness.gate import properties as module
@@ -134,7 +134,7 @@ def test_many_poses_a_call_are_the_poses_one_by_one(bench: Bench) -> None:
 def test_a_mechanism_without_symmetry_has_none_to_keep(bench: Bench) -> None:
     """Two equal limbs and one thicker: no turn brings it back, so none is asked for."""
     robot = Mechanism.paper()
-    thick = replace(robot.limbs[0], rod=replace(robot.limbs[0].rod, diameter=0.12))
+    thick = robot.limbs[0].with_rod(Rod(robot.limbs[0].rod.material, 0.12))
     uneven = replace(robot, limbs=(thick, *robot.limbs[1:]))
     for mechanism, named in ((robot, True), (uneven, False)):
         case = Case("mine", mechanism, CASE.pose, "a test")

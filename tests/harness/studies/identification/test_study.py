@@ -9,6 +9,7 @@ from analytic import (
     InputError,
     Mechanism,
     Pose,
+    Rod,
 )
 from harness.bench import Bench
 from harness.cases import PRESETS, Case
@@ -107,8 +108,8 @@ def test_the_study_starts_from_a_mechanism_of_ones_own(tmp_path):
         "bounds": "z_mm=350..600", "free": "1", "noise": "0.01",
     }  # fmt: skip
     (case,) = request(identification, texts).cases
-    rod = replace(case.mechanism.limbs[0].rod, diameter=0.066)
-    limbs = tuple(replace(limb, rod=rod) for limb in case.mechanism.limbs)
+    rod = Rod(case.mechanism.limbs[0].rod.material, 0.066)
+    limbs = tuple(limb.with_rod(rod) for limb in case.mechanism.limbs)
     truth = replace(case.mechanism, limbs=limbs)
     f = MODEL.modes(truth, replace(case.pose, z=0.44)).frequencies
     (tmp_path / "measured.csv").write_text(
