@@ -65,7 +65,7 @@ def joined(n: int, s: int, *, sparse: bool) -> Layout:
         chain = [start + np.arange(7), np.hstack([before, platform])]
         inner = 6 * np.arange(s - 2)[:, None, None] + (start + np.arange(1, 13))
     kinds = [chain[0][None], *([inner] if s > 2 else []), *(d[None] for d in chain[1:])]
-    return _layout([*kinds, platform[None, :1]], n * own + 6, sparse=sparse)
+    return layout([*kinds, platform[None, :1]], n * own + 6, sparse=sparse)
 
 
 @lru_cache(maxsize=16)
@@ -77,10 +77,10 @@ def free(n: int, s: int, *, sparse: bool) -> Layout:
     own = 6 * (s + 1)
     element = np.arange(12) + own * np.arange(n)[:, None] + 6 * np.arange(s)[:, None, None]
     platform = n * own + np.arange(6)[None, None]
-    return _layout([element, platform], n * own + 6, sparse=sparse)
+    return layout([element, platform], n * own + 6, sparse=sparse)
 
 
-def _layout(kinds: list[Integers], size: int, *, sparse: bool) -> Layout:
+def layout(kinds: list[Integers], size: int, *, sparse: bool) -> Layout:
     """Return the layout of blocks with coordinates (times, limbs, d): one a limb, so often."""
     taken, slots, offset = [], [], 0
     for dofs in kinds:

@@ -17,7 +17,8 @@ class Freedom:
 
     Attributes: `kind`, "rotation" or "translation"; `axis`, a direction (normalised here) in the
     axes of `frame`: "base" (global), "limb" (x, y, z; z along it, y nearest to the limb's
-    reference) or "platform"; `stiffness` [N m/rad or N/m], 0 where nothing resists; `across`:
+    reference) or "platform"; `stiffness` [N m/rad or N/m], 0 where nothing resists, `math.inf`
+    where it is locked and rigid; `across`:
     the direction square to `axis` and to the limb, instead of `axis` itself, as the second axis of
     a universal joint is.
     """
@@ -35,8 +36,8 @@ class Freedom:
             raise InputError("Freedom.frame", self.frame, f"one of {', '.join(FRAMES)}")
         object.__setattr__(self, "axis", direction("Freedom.axis", self.axis))
         unit = "N m/rad" if self.kind == "rotation" else "N/m"
-        expected = f"a number of {unit}, at least 0"
-        if number("Freedom.stiffness", self.stiffness, expected) < 0:
+        expected = f"a number of {unit}, at least 0, or math.inf"
+        if self.stiffness != math.inf and number("Freedom.stiffness", self.stiffness, expected) < 0:
             raise InputError("Freedom.stiffness", self.stiffness, expected)
 
 

@@ -177,7 +177,8 @@ class Body:
     """A rigid body in a limb: a slider, a nut, a motor.
 
     Attributes: `mass` [kg]; `inertia` about its centre of mass, a 3 x 3 tensor [kg m^2]; `centre`
-    of mass from where it stands in the chain [m]; both in the axes of `frame`: "base" or "limb".
+    of mass from where it stands in the chain [m]; both in the axes of `frame`: "base", "limb", or
+    "global": as "base", but not turned with a limb that is (see `Limb.turned`).
     """
 
     mass: float
@@ -190,8 +191,8 @@ class Body:
         object.__setattr__(self, "inertia", inertia_tensor("Body.inertia", self.inertia))
         centre = vector("Body.centre", self.centre, "three finite coordinates in metres")
         object.__setattr__(self, "centre", centre)
-        if self.frame not in ("base", "limb"):
-            raise InputError("Body.frame", self.frame, "'base' or 'limb'")
+        if self.frame not in ("base", "limb", "global"):
+            raise InputError("Body.frame", self.frame, "'base', 'limb' or 'global'")
 
 
 def inertia_tensor(name: str, given: Any) -> Tensor:

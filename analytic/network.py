@@ -1,0 +1,309 @@
+"""Limbs of any chain in independent coordinates: Eqs. (10)-(22) for joints with any freedoms.
+
+Along a chain the motion u (6) of a point is carried from item to item. A rigid link carries it as
+a rigid body does. A joint of freedoms E (6 x f) lets it change by E r; its coordinates are the
+absolute motions q along the freedoms, so that
+    u_after = (1 - E E+) u_before + E q,  r = q - E+ u_before,
+and at the tip, where the platform says what comes after, likewise backwards. With one free
+rotation at the base that is Eqs. (17)-(18), with three at the tip Eq. (10). Springs have the
+energy r^T k r / 2. Coordinates of a limb run from the base to the tip; the platform's six are last.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analytic.assembly import Layout, layout
+from analytic.errors import InputError
+from analytic.mechanism import Body
+from analytic.placed import Alike, Placed
+from analytic.platform import body_mass
+
+Floats = NDArray[np.float64]
+
+DEPENDENT = 1e-9
+"""Freedoms between two masses, in units of length 1, that all but depend on each other."""
+PLATFORM = tuple(range(-6, 0))
+
+
+@dataclass(frozen=True)
+class Map:
+    """What moves a point of n limbs: `matrix` (n, 6, c) over the coordinates `columns` (c,) of
+    each; those of the platform are -6 ... -1.
+    """
+
+    columns: tuple[int, ...]
+    matrix: Floats
+
+    def carried(self, arm: Floats) -> "Map":
+        """Return the motion of the point that is `arm` (n, 3) away on the same rigid body."""
+        moved = self.matrix.copy()
+        moved[:, :3] += np.cross(self.matrix[:, 3:], arm[:, :, None], axis=1)
+        return Map(self.columns, moved)
+
+    @property
+    def size(self) -> int:
+        """How many coordinates move the point."""
+        return len(self.columns)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A rod of n limbs in `count` equal pieces.
+
+    Attributes: `group` and `item`, which rod; `first`, `last` the maps of its ends; `start`, the
+    coordinate of its first inner node, of six each.
+    """
+
+    group: int
+    item: int
+    count: int
+    first: Map
+    last: Map
+    start: int
+
+
+@dataclass(frozen=True)
+class Network:
+    """A mechanism in independent coordinates at one pose.
+
+    Attributes: `groups`; `rods`, in the order of their blocks; `constant` blocks of K and M with
+    their columns: springs, bodies, the platform; `own` coordinates a limb of every group; `size`
+    of all; `nodes`: of every group the (item, map) of points that drawings ask for.
+    """
+
+    groups: tuple[Placed, ...]
+    rods: tuple[Piece, ...]
+    constant: tuple[tuple[int, tuple[int, ...], Floats], ...]
+    own: tuple[int, ...]
+    size: int
+
+    def layout(self, *, sparse: bool = False) -> Layout:
+        """Return where the blocks go: those of `rods` in their turn, then the `constant` ones."""
+        starts = _starts(tuple(tuple(g.alike.limbs.tolist()) for g in self.groups), self.own)
+        where: list[tuple[int, tuple[tuple[int, ...], ...]]] = []
+        for piece in self.rods:
+            where += [(piece.group, columns) for columns in _columns(piece)]
+        where += [(group, (columns,)) for group, columns, _ in self.constant]
+        return _layout(tuple(where), starts, self.size, sparse)
+
+    def rod_blocks(self, matrices: Sequence[Floats]) -> list[Floats]:
+        """Return blocks of `rods`, from (..., n, 12, 12) in limb axes of every rod's pieces."""
+        blocks = []
+        for piece, matrix in zip(self.rods, matrices, strict=True):
+            R = self.groups[piece.group].frames.swapaxes(-1, -2)
+            blocks += [H.swapaxes(-1, -2) @ matrix @ H for H in _ends(piece, R)]
+        return blocks
+
+
+def _columns(piece: Piece) -> list[tuple[tuple[int, ...], ...]]:
+    """Return the columns of a rod's blocks: each a row of them for every time it is placed."""
+    first, last, s, a = piece.first.columns, piece.last.columns, piece.count, piece.start
+    if s == 1:
+        return [(_union(first, last),)]
+    inner = [tuple(range(a + 6 * k, a + 6 * k + 12)) for k in range(s - 2)]
+    end = a + 6 * (s - 2)
+    both = [((*first, *range(a, a + 6)),), tuple(inner), ((*range(end, end + 6), *last),)]
+    return both if inner else [both[0], both[2]]
+
+
+def _union(first: tuple[int, ...], last: tuple[int, ...]) -> tuple[int, ...]:
+    return (*first, *(c for c in last if c not in first))
+
+
+def _ends(piece: Piece, R: Floats) -> list[Floats]:
+    """Return what turns a piece's coordinates into its own in limb axes, each (n, 12, c)."""
+    n = len(R)
+    first, last = (_turned(R, end.matrix) for end in (piece.first, piece.last))
+    a, b = piece.first.size, piece.last.size
+    if piece.count == 1:
+        both = _union(piece.first.columns, piece.last.columns)
+        alone = np.zeros((n, 12, len(both)))
+        alone[:, :6, :a] = first
+        alone[:, 6:, [both.index(c) for c in piece.last.columns]] = last
+        return [alone]
+    begin, end = np.zeros((n, 12, a + 6)), np.zeros((n, 12, 6 + b))
+    begin[:, :6, :a], end[:, 6:, 6:] = first, last
+    begin[:, 6:9, a : a + 3] = begin[:, 9:, a + 3 :] = R
+    end[:, :3, :3] = end[:, 3:6, 3:6] = R
+    if piece.count == 2:
+        return [begin, end]
+    inner = np.zeros((n, 12, 12))
+    for k in range(0, 12, 3):
+        inner[:, k : k + 3, k : k + 3] = R
+    return [begin, inner, end]
+
+
+def _turned(R: Floats, matrix: Floats) -> Floats:
+    halves = matrix.reshape(len(R), 2, 3, -1)
+    return np.asarray(R[:, None] @ halves).reshape(matrix.shape)
+
+
+@lru_cache(maxsize=64)
+def _starts(limbs: tuple[tuple[int, ...], ...], own: tuple[int, ...]) -> tuple[Any, ...]:
+    """Return where the coordinates of every limb start, a tuple a group: limb after limb."""
+    sizes = {i: size for some, size in zip(limbs, own, strict=True) for i in some}
+    before = np.concatenate([[0], np.cumsum([sizes[i] for i in sorted(sizes)])])
+    return tuple(tuple(int(before[i]) for i in some) for some in limbs)
+
+
+@lru_cache(maxsize=64)
+def _layout(where: Any, starts: Any, size: int, sparse: bool) -> Layout:
+    kinds = []
+    for group, times in where:
+        start = np.array(starts[group] if group >= 0 else [0])[:, None]
+        columns = np.array(times)[:, None, :]
+        kinds.append(np.where(columns < 0, size + columns, start + columns))
+    return layout(kinds, size, sparse=sparse)
+
+
+def network(
+    groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: float
+) -> Network:
+    """Return the mechanism whose limbs are `groups`, at one pose, in independent coordinates.
+
+    `count(group, item)` says into how many pieces a rod is cut; `platform_mass` M_p (6, 6) in global
+    axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with nothing
+    between them, and for limbs without any rod.
+    """
+    rods: list[Piece] = []
+    constant: list[tuple[int, tuple[int, ...], Floats]] = []
+    own = []
+    for g, placed in enumerate(groups):
+        walk = _Walk(g, placed, unit, count)
+        own.append(walk.own)
+        rods += walk.rods
+        constant += walk.constant
+    still = np.zeros((2, 1, 6, 6))
+    still[1, 0] = platform_mass
+    constant.append((-1, PLATFORM, still))
+    size = sum(c * len(p.alike.limbs) for c, p in zip(own, groups, strict=True)) + 6
+    return Network(tuple(groups), tuple(rods), tuple(constant), tuple(own), size)
+
+
+class _Walk:
+    """The coordinates, rods, springs and bodies of one group of limbs, from base to tip."""
+
+    def __init__(self, group: int, placed: Placed, unit: float, count: Any) -> None:
+        self.group, self.placed, self.unit = group, placed, unit
+        self.alike: Alike = placed.alike
+        self.n = len(self.alike.limbs)
+        self.own = 0
+        self.rods: list[Piece] = []
+        self.constant: list[tuple[int, tuple[int, ...], Floats]] = []
+        kinds = [kind[0] for kind in self.alike.kind]
+        if "rod" not in kinds:
+            raise InputError(
+                "mechanism",
+                f"limb {int(self.alike.limbs[0]) + 1} without a rod",
+                "at least one elastic rod in every limb",
+            )
+        last = max(self.alike.rods)
+        held: Map | None = None
+        at, pending = 0, []
+        for k, kind in enumerate(kinds[: last + 1]):
+            if kind == "joint":
+                pending.append(k)
+            elif kind == "link" and not pending:
+                pass
+            elif kind in ("rod", "body"):
+                held = self._joined(held, at, k, pending)
+                at, pending = k, []
+                if kind == "body":
+                    self._weigh(k, held)
+                    continue
+                s = count(group, k)
+                start, self.own = self.own, self.own + 6 * (s - 1)
+                if k < last:
+                    end = self._free()
+                else:
+                    end = self._tail(last, kinds)
+                self.rods.append(Piece(group, k, s, held, end, start))
+                held, at = end, k + 1
+
+    def _free(self) -> Map:
+        columns = self._new(6)
+        return Map(columns, np.broadcast_to(np.eye(6), (self.n, 6, 6)))
+
+    def _new(self, count: int) -> tuple[int, ...]:
+        self.own += count
+        return tuple(range(self.own - count, self.own))
+
+    def _tail(self, last: int, kinds: list[str]) -> Map:
+        """Return the motion of the last rod's end: backwards from the platform."""
+        J = Map(PLATFORM, np.broadcast_to(np.eye(6), (self.n, 6, 6))).carried(self.placed.arms)
+        held, at, pending = J, len(kinds), []
+        for k in range(len(kinds) - 1, last, -1):
+            if kinds[k] == "joint":
+                pending.append(k)
+            elif kinds[k] == "body":
+                held = self._joined(held, at, k, pending)
+                at, pending = k, []
+                self._weigh(k, held)
+        return self._joined(held, at, last + 1, pending)
+
+    def _joined(self, held: Map | None, before: int, after: int, joints: list[int]) -> Map:
+        """Return the motion where item `after` starts, joined to `held` where `before` does."""
+        starts = self.placed.starts
+        there = starts[:, after]
+        if held is not None:
+            held = held.carried(there - starts[:, before])
+        if not joints:
+            return held or Map((), np.zeros((self.n, 6, 0)))
+        twists = [
+            Map((), self.placed.twists(k)).carried(there - starts[:, k]).matrix for k in joints
+        ]
+        E = np.concatenate(twists, axis=-1)
+        f = E.shape[-1]
+        if not f:
+            return held or Map((), np.zeros((self.n, 6, 0)))
+        scale = np.array([1.0] * 3 + [self.unit] * 3)[:, None]
+        inverse = self._inverse(E * scale, joints) * scale.T
+        stiffness = np.concatenate([self.alike.freedoms[k].stiffness for k in joints], axis=1)
+        q = self._new(f)
+        if held is None or not held.size:
+            u, r = Map(q, E), Map(q, np.broadcast_to(np.eye(f), (self.n, f, f)))
+        else:
+            along = inverse @ held.matrix
+            columns = (*held.columns, *q)
+            u = Map(columns, np.concatenate([held.matrix - E @ along, E], axis=-1))
+            unit = np.broadcast_to(np.eye(f), (self.n, f, f))
+            r = Map(columns, np.concatenate([-along, unit], axis=-1))
+        if stiffness.any():
+            block = np.zeros((2, self.n, r.size, r.size))
+            block[0] = r.matrix.swapaxes(-1, -2) @ (stiffness[..., None] * r.matrix)
+            self.constant.append((self.group, r.columns, block))
+        return u
+
+    def _inverse(self, E: Floats, joints: list[int]) -> Floats:
+        """Return E+ of every limb (n, f, 6), or refuse freedoms that depend on each other."""
+        size = np.linalg.norm(E, axis=1, keepdims=True)
+        U, sigma, V = np.linalg.svd(E / size, full_matrices=False)
+        poor = (sigma[:, -1] < DEPENDENT) | (E.shape[-1] > 6)
+        if poor.any():
+            limb = int(self.alike.limbs[int(poor.argmax())]) + 1
+            names = " and ".join(str(self.alike.chains[0][k].name) for k in sorted(joints))  # type: ignore[union-attr]
+            raise InputError(
+                "mechanism",
+                f"limb {limb}: the freedoms of {names} depend on each other "
+                f"({float(sigma[:, -1].min()):.1e} of independent)",
+                "something between joints that share a freedom",
+            )
+        return np.asarray((V.swapaxes(-1, -2) / sigma[:, None, :]) @ U.swapaxes(-1, -2) / size.swapaxes(-1, -2))
+
+    def _weigh(self, k: int, held: Map) -> None:
+        """Add the mass of the bodies that are item `k`."""
+        masses = []
+        for i, chain in enumerate(self.alike.chains):
+            body = chain[k]
+            assert isinstance(body, Body)
+            axes = np.eye(3) if body.frame != "limb" else self.placed.frames[i]
+            inertia = axes @ np.array(body.inertia) @ axes.T
+            masses.append(body_mass(body.mass, inertia, axes @ np.array(body.centre)))
+        block = np.zeros((2, self.n, held.size, held.size))
+        block[1] = held.matrix.swapaxes(-1, -2) @ np.array(masses) @ held.matrix
+        self.constant.append((self.group, held.columns, block))
