@@ -18,6 +18,10 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from analytic.certified import CLOSE
+from analytic.certified import _certified as certified
+from analytic.certified import _roots as roots
+from analytic.errors import NotCertifiedError
 from analytic.mobility import check_held, free, spins
 from analytic.network import Network, network
 from analytic.mechanism import Mechanism, Rod
@@ -32,6 +36,8 @@ Floats = NDArray[np.float64]
 STEP = 1e-30
 ROUNDING = 4 * float(np.finfo(float).eps)
 """Relative error of one entry of D; the bound on its eigenvalues is made of it."""
+ABOVE = 1e-6
+"""Rounding of the elements' bounds, relative."""
 MARGIN = 1.0 + 1e-6
 """Frequencies up to this factor above those asked for can be counted without another cut."""
 
@@ -186,6 +192,36 @@ class Exact:
         outside = np.full(len(omega2), -self.spins)
         symmetric = (matrix + matrix.swapaxes(1, 2)) / 2, (mass + mass.swapaxes(1, 2)) / 2
         return ChainForm(omega2, *symmetric, outside, error, back)
+
+    def brackets(self, count: int) -> Floats:
+        """Return brackets of the lowest `count` omega^2, spins apart, (count, 2).
+
+        Elements interpolate what a rod may do: their frequencies are bounds from above, which first
+        say how to cut and then where to look. Each mode is found by its rank, and both ends of its
+        bracket are counted. Raises `NotCertifiedError` where rounding leaves one too wide.
+        """
+        upper = self._upper(count)
+        upper = self._upper(count, self.cut(float(upper[-1])))
+        rank = np.arange(count)
+        high = upper * (1 + ABOVE)
+        for close in CLOSE:
+            x = roots(self, rank, np.zeros(count), high, upper, close)
+            try:
+                return certified(self, rank, x)
+            except NotCertifiedError:
+                if close == CLOSE[-1]:
+                    raise
+        raise AssertionError
+
+    def _upper(self, count: int, net: Network | None = None) -> Floats:
+        """Return upper bounds of the lowest `count` omega^2, from as many elements as it takes."""
+        s = 1
+        net = net or self.split(s)
+        while net.size - self.spins < count:
+            s *= 2
+            net = self.split(s)
+        sigma = self.motions(net)[0]
+        return np.asarray(sigma[self.spins : self.spins + count] ** 2)
 
     def count(self, omega2: Floats) -> NDArray[np.int64]:
         """Return the number of modes below each of `omega2` (q,)."""

@@ -73,7 +73,7 @@ class Network:
 
     Attributes: `groups`; `rods`, in the order of their blocks; `constant` blocks of K and M with
     their columns: springs, bodies, the platform; `own` coordinates a limb of every group; `size`
-    of all; `nodes`: of every group the (item, map) of points that drawings ask for.
+    of all.
     """
 
     groups: tuple[Placed, ...]
@@ -82,9 +82,14 @@ class Network:
     own: tuple[int, ...]
     size: int
 
+    @property
+    def starts(self) -> tuple[tuple[int, ...], ...]:
+        """The first coordinate of every limb, a tuple a group."""
+        return _starts(tuple(tuple(g.alike.limbs.tolist()) for g in self.groups), self.own)
+
     def layout(self, *, sparse: bool = False) -> Layout:
         """Return where the blocks go: those of `rods` in their turn, then the `constant` ones."""
-        starts = _starts(tuple(tuple(g.alike.limbs.tolist()) for g in self.groups), self.own)
+        starts = self.starts
         where: list[tuple[int, tuple[tuple[int, ...], ...]]] = []
         for piece in self.rods:
             where += [(piece.group, columns) for columns in _columns(piece)]
