@@ -16,7 +16,7 @@ AT_END = 1e-9
 
 
 def centre_lines(problem: Exact, net: Network, U: Floats, omega2: Floats) -> Floats:
-    """Return global displacement at `STATIONS` of every limb in motions `U` (size, m), (m, n, k, 3).
+    """Return global displacement at `STATIONS` of all limbs in motions `U` (size, m), (m, n, k, 3).
 
     Stations divide the line from where a limb starts (on its slider) to A_i. Between nodes a rod
     bends as at `omega2` (m,): exactly, or for zeros as an element does. Links and bodies follow the
@@ -36,7 +36,8 @@ def centre_lines(problem: Exact, net: Network, U: Floats, omega2: Floats) -> Flo
             last = p is pieces[-1]
             # What lies before the first rod or after the last is carried by that one's end.
             own = ~done & ((at <= end) | last)
-            moved = np.where(own[..., None, None], _along(problem, net, p, U, omega2, at - begin), moved)
+            here = _along(problem, net, p, U, omega2, at - begin)
+            moved = np.where(own[..., None, None], here, moved)
             done |= own
         result[:, which] = moved.transpose(3, 0, 1, 2)
     return result
@@ -62,7 +63,9 @@ def _along(
     u = np.empty((n, k, 6, U.shape[1]))
     inner = (x > AT_END) & (x < 1 - AT_END)
     for i, j in np.argwhere(~inner):
-        end, beyond = (first, x[i, j] * h[i]) if x[i, j] <= AT_END else (second, (x[i, j] - 1) * h[i])
+        end, beyond = (
+            (first, x[i, j] * h[i]) if x[i, j] <= AT_END else (second, (x[i, j] - 1) * h[i])
+        )
         u[i, j] = end[i, j]
         u[i, j, 0] += beyond * end[i, j, 4]
         u[i, j, 1] -= beyond * end[i, j, 3]
@@ -88,7 +91,7 @@ def _nodes(net: Network, piece: Piece, U: Floats) -> Floats:
     nodes[:, 0], nodes[:, -1] = (_moved(end, starts, U) for end in (piece.first, piece.last))
     inner = 6 * (piece.count - 1)
     rows = np.array(starts)[:, None] + piece.start + np.arange(inner)
-    nodes[:, 1:-1] = U[rows].reshape(n, piece.count - 1, 6, -1)
+    nodes[:, 1:-1] = U[rows].reshape(n, piece.count - 1, 6, U.shape[1])
     return nodes
 
 

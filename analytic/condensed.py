@@ -152,8 +152,14 @@ def condensed_frequencies(
     available = 10_000
     if elements is not None:
         elements = whole("elements", elements, at_most=MOST_ELEMENTS)
-        available = 6 + len(mechanism.limbs) * ((5 + torsion) * elements - 2)
+        available = 6 + sum(len(limb.rods) for limb in mechanism.limbs) * (
+            (5 + torsion) * elements - 2
+        )
     count = check_count(count, available)
+    if not mechanism.simple:
+        from analytic.chain_models import frequencies  # which no paper's limb needs
+
+        return frequencies(mechanism, poses, theory, elements, count)
     known = constants(mechanism, theory)
     size = int(np.prod(poses.shape))
     loop = _loop(size, fast)

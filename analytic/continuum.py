@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from analytic.centre_lines import centre_lines
 from analytic.certified import WIDTH, brackets, middles
+from analytic.chain_models import exact_modes
 from analytic.condensed import condensed_frequencies
 from analytic.errors import number
+from analytic.exact_chain import exact
 from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.model import Info
@@ -74,8 +76,11 @@ class Continuum:
         Raises `InputError` for a frequency that is not positive, or a pose out of reach.
         """
         hertz = number("frequency", frequency, "a positive number of hertz", positive=True)
+        omega2 = np.array([(2 * np.pi * hertz) ** 2])
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            return int(exact(mechanism, pose, self.theory).count(omega2)[0])
         problem = self._problem(mechanism, pose)
-        return int(problem.count(np.array([(2 * np.pi * hertz) ** 2]))[0])
+        return int(problem.count(omega2)[0])
 
     def brackets(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> NDArray[np.float64]:
         """Return lower and upper bounds of the lowest `count` frequencies, (count, 2) [Hz].
@@ -86,6 +91,8 @@ class Continuum:
         frequency that double precision cannot tell so well.
         """
         count = check_count(count, MOST)
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            return np.sqrt(exact(mechanism, pose, self.theory).brackets(count)) / (2 * np.pi)
         return np.sqrt(brackets(self._problem(mechanism, pose), count)[0]) / (2 * np.pi)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
@@ -96,6 +103,8 @@ class Continuum:
         """
         begin = time.perf_counter()
         count = check_count(count, MOST)
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            return exact_modes(mechanism, pose, self.theory, count)
         limbs = limbs_at(mechanism, one_pose(mechanism, pose))
         known = constants(mechanism, self.theory)
         problem = of_limbs(known, limbs)

@@ -10,9 +10,9 @@ D is written in the motions of the mechanism's elements, one a piece, each divid
 its own omega and the one asked for: every entry is of order one, soft motions beside stiff ones.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 import scipy.linalg
@@ -22,9 +22,9 @@ from analytic.certified import CLOSE
 from analytic.certified import _certified as certified
 from analytic.certified import _roots as roots
 from analytic.errors import NotCertifiedError
-from analytic.mobility import check_held, free, spins
-from analytic.network import Network, network
 from analytic.mechanism import Mechanism, Rod
+from analytic.mobility import check_held, spins
+from analytic.network import Network, network
 from analytic.placed import Placed, place, position
 from analytic.pose import Pose
 from analytic.rod_elements import Properties, element_matrices, properties
@@ -99,7 +99,6 @@ class Exact:
     platform_mass: Floats
     unit: float
     spins: int
-    free: int = 0
 
     def lengths(self, group: int, item: int) -> Floats:
         """Return the lengths of a rod of n limbs, (n,) [m]."""
@@ -127,7 +126,7 @@ class Exact:
         K, M = net.layout(sparse=sparse).pair(blocks)
         return K, M
 
-    def dynamic(self, net: Network, omega2: NDArray[np.generic]) -> NDArray[np.generic]:
+    def dynamic(self, net: Network, omega2: NDArray[Any]) -> NDArray[Any]:
         """Return D of `net` at `omega2` (q,), (q, m, m); complex of complex."""
         each = [
             dynamic_stiffness(
@@ -137,7 +136,9 @@ class Exact:
         ]
         q = len(omega2)
         blocks = net.rod_blocks(each)
-        blocks += [block[0] - omega2[:, None, None, None] * block[1] for _, _, block in net.constant]
+        blocks += [
+            block[0] - omega2[:, None, None, None] * block[1] for _, _, block in net.constant
+        ]
         where = net.layout()
         entries = np.concatenate([block.reshape(q, -1) for block in blocks], axis=1)
         result = np.zeros((q, net.size**2), dtype=entries.dtype)
@@ -178,7 +179,9 @@ class Exact:
 
     def form(self, omega2: Floats) -> ChainForm:
         """Return D and its derivative at each of `omega2` (q,) > 0."""
-        net = self.cut(float(omega2.max()) * MARGIN)
+        return self._form(self.cut(float(omega2.max()) * MARGIN), omega2)
+
+    def _form(self, net: Network, omega2: Floats) -> ChainForm:
         sigma, vectors = self.motions(net)
         D = self.dynamic(net, omega2 * (1 + 1j * STEP))
         scale = 1 / np.maximum(sigma, np.sqrt(omega2)[:, None])
@@ -202,12 +205,12 @@ class Exact:
         """
         upper = self._upper(count)
         upper = self._upper(count, self.cut(float(upper[-1])))
-        rank = np.arange(count)
+        rank, problem = np.arange(count), cast(Any, self)
         high = upper * (1 + ABOVE)
         for close in CLOSE:
-            x = roots(self, rank, np.zeros(count), high, upper, close)
+            x = roots(problem, rank, np.zeros(count), high, upper, close)
             try:
-                return certified(self, rank, x)
+                return certified(problem, rank, x)
             except NotCertifiedError:
                 if close == CLOSE[-1]:
                     raise
@@ -227,13 +230,16 @@ class Exact:
         """Return the number of modes below each of `omega2` (q,)."""
         return self.form(omega2).count
 
-    def eigenspace(self, omega2: float, size: int) -> tuple[Network, Floats]:
-        """Return the `size` modes next to `omega2`, of modal mass 1: coordinates (m, size)."""
-        form = self.form(np.array([omega2]))
+    def eigenspace(self, net: Network, omega2: float, size: int) -> Floats:
+        """Return the `size` modes next to `omega2`, of modal mass 1, in `net` (m, size).
+
+        `net` must be cut for `omega2` at least.
+        """
+        form = self._form(net, np.array([omega2]))
         B, left = form.pencil
         values, y = np.linalg.eigh(B[0])
         near = np.argsort(np.abs(values))[:size]
-        return self.cut(omega2 * MARGIN), form.back[0] @ left[0].T @ y[:, near]
+        return np.asarray(form.back[0] @ left[0].T @ y[:, near])
 
 
 def exact(mechanism: Mechanism, pose: Pose, theory: Theory) -> Exact:

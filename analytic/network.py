@@ -96,7 +96,7 @@ class Network:
         where += [(group, (columns,)) for group, columns, _ in self.constant]
         return _layout(tuple(where), starts, self.size, sparse)
 
-    def rod_blocks(self, matrices: Sequence[Floats]) -> list[Floats]:
+    def rod_blocks(self, matrices: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
         """Return blocks of `rods`, from (..., n, 12, 12) in limb axes of every rod's pieces."""
         blocks = []
         for piece, matrix in zip(self.rods, matrices, strict=True):
@@ -166,13 +166,11 @@ def _layout(where: Any, starts: Any, size: int, sparse: bool) -> Layout:
     return layout(kinds, size, sparse=sparse)
 
 
-def network(
-    groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: float
-) -> Network:
+def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: float) -> Network:
     """Return the mechanism whose limbs are `groups`, at one pose, in independent coordinates.
 
-    `count(group, item)` says into how many pieces a rod is cut; `platform_mass` M_p (6, 6) in global
-    axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with nothing
+    `count(group, item)` says into how many pieces a rod is cut; `platform_mass` M_p (6, 6) in
+    global axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with nothing
     between them, and for limbs without any rod.
     """
     rods: list[Piece] = []
@@ -223,10 +221,7 @@ class _Walk:
                     continue
                 s = count(group, k)
                 start, self.own = self.own, self.own + 6 * (s - 1)
-                if k < last:
-                    end = self._free()
-                else:
-                    end = self._tail(last, kinds)
+                end = self._free() if k < last else self._tail(last, kinds)
                 self.rods.append(Piece(group, k, s, held, end, start))
                 held, at = end, k + 1
 
@@ -298,7 +293,9 @@ class _Walk:
                 f"({float(sigma[:, -1].min()):.1e} of independent)",
                 "something between joints that share a freedom",
             )
-        return np.asarray((V.swapaxes(-1, -2) / sigma[:, None, :]) @ U.swapaxes(-1, -2) / size.swapaxes(-1, -2))
+        return np.asarray(
+            (V.swapaxes(-1, -2) / sigma[:, None, :]) @ U.swapaxes(-1, -2) / size.swapaxes(-1, -2)
+        )
 
     def _weigh(self, k: int, held: Map) -> None:
         """Add the mass of the bodies that are item `k`."""

@@ -43,8 +43,8 @@ class Alike:
 
     Attributes: `limbs`, their numbers (n,); `chains`, their items; `kind` of every item, what the
     structure is; `bases`, `points` B_i and A_i and `towards` (n, 3); `lengths` (n, items), nan for
-    what adapts, 0 for joints and bodies; `freedoms` of the items that are joints; `slider`, and the directions
-    `slides` of sliders (n, 3).
+    what adapts, 0 for joints and bodies; `freedoms` of the items that are joints; `slider`, and the
+    directions `slides` of sliders (n, 3).
     """
 
     limbs: NDArray[np.intp]
@@ -88,9 +88,7 @@ class Placed:
         """
         of = self.alike.freedoms[item]
         E = np.zeros((*self.frames.shape[:-2], 6, len(of.kinds)))
-        for f, (kind, frame, across) in enumerate(
-            zip(of.kinds, of.frames, of.across, strict=True)
-        ):
+        for f, (kind, frame, across) in enumerate(zip(of.kinds, of.frames, of.across, strict=True)):
             axis = self._global(of.axes[:, f], frame)
             if across:
                 axis = np.cross(axis, self.frames[..., 2])
@@ -231,11 +229,13 @@ def _placed(group: Alike, pose: Pose, o: Floats, R: Floats) -> Placed:
     left = total - given
     if not group.slider:
         refuse(pose, group, left <= CLOSURE, left,
-               "limbs that leave something to what adapts, not {1:.3e} m to that of limb {0}")  # fmt: skip
+               "something left to what adapts, not {1:.3e} m in limb {0}")  # fmt: skip
     z = span / np.where(total > 0, total, 1.0)[..., None]
     x = np.cross(group.towards, z)
     size = np.linalg.norm(x, axis=-1)
-    refuse(pose, group, size < ALONG, size, "a reference across limb {}, not {:.1e} rad from along it")
+    refuse(
+        pose, group, size < ALONG, size, "a reference across limb {}, not {:.1e} rad from along it"
+    )
     x = x / size[..., None]
     frames = np.stack([x, np.cross(z, x), z], axis=-1)
     lengths = np.where(np.isnan(group.lengths), left[..., None], group.lengths)
@@ -250,7 +250,7 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
     """Refuse hinges not square to their limb, and universal joints along it or out of line."""
     group, z = found.alike, found.frames[..., 2]
     ends: list[Floats] = []
-    for k, of in group.freedoms.items():
+    for of in group.freedoms.values():
         turns = [f for f, kind in enumerate(of.kinds) if kind == "rotation"]
         axes = [found._global(of.axes[:, f], of.frames[f]) for f in turns]
         if len(turns) == 1 and not of.across[turns[0]]:
@@ -263,7 +263,7 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
             across = np.cross(axes[turns.index(f)], z)
             size = np.linalg.norm(across, axis=-1)
             refuse(pose, group, size < ALONG, size,
-                   "universal joints across their limbs, not that of limb {} {:.1e} rad from along")  # fmt: skip
+                   "universal joints across, not that of limb {} {:.1e} rad from along")  # fmt: skip
             if not any(of.stiffness[:, f]) and len(turns) == 2:
                 ends.append(across / size[..., None])
     if len(ends) == 2:

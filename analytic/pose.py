@@ -228,6 +228,9 @@ def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
 
 def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
     check_poses(mechanism, pose)
+    if any(mechanism.platform.centre):
+        centre = mechanism.platform.centre
+        raise InputError("Platform.centre", centre, "o itself for this model")
     points = mechanism.platform_points
     given = None if pose.x is None else np.stack([pose.x, pose.y], axis=-1)
     return closure(mechanism, mechanism.bases, points, pose.z, pose.rotation, given)

@@ -121,7 +121,9 @@ def _patterns() -> tuple[Floats, Floats]:
         [6 * (x**2 - x), 3 * x**2 - 4 * x + 1, 6 * (x - x**2), 3 * x**2 - 2 * x],
         [0 * x, 1 - x, 0 * x, x],
     ])  # fmt: skip
-    curvature = np.array([[12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2], [0 * x, -one, 0 * x, one]])
+    curvature = np.array(
+        [[12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2], [0 * x, -one, 0 * x, one]]
+    )
     # w' - theta = -Phi / (1 + Phi) strain, the same along an element: its shear force is constant.
     strain = np.array([1, 0.5, -1, 0.5])
     stiffness = parts(curvature)

@@ -1,16 +1,18 @@
-"""The exact dynamic stiffness of a piece of rod, 12 x 12, at omega^2 below its modes with ends held.
+"""The exact dynamic stiffness of a piece of rod below its modes with both ends held.
 
 Bending of a plane in y = (w / L, theta, V L^2 / EI, M L / EI) over x / L is y' = A y with
 A^4 = -b A^2 - c: exp(A) = f0 + f1 A + f2 A^2 + f3 A^3, where the f are entire functions of b and c,
 by their power series. There are no waves to tell apart and nothing cancels at low frequency.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.rod_elements import AXIAL, BENDING, TORSION, Properties
 
-Array = NDArray[np.generic]
+Array = NDArray[Any]
 Floats = NDArray[np.float64]
 
 TERMS = 16
@@ -33,7 +35,7 @@ def pieces(rods: Properties, lengths: Floats, omega2: float) -> NDArray[np.int64
         inverse = np.maximum(
             bending.max(axis=-1), p * np.maximum(rods.mass / rods.EA, rods.polar / rods.GJ)
         )
-        poor = 1 <= omega2 * inverse
+        poor = omega2 * inverse >= 1
         if not poor.any():
             return n
         n = np.where(poor, np.maximum(n + 1, (1.1 * n).astype(np.int64)), n)

@@ -14,6 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import assembly
+from analytic.chain_models import element_modes
 from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms, turning
 from analytic.eigen import hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError
@@ -23,7 +24,7 @@ from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose, one_pose
+from analytic.pose import Pose, check_poses, one_pose
 from analytic.theory import Theory
 
 if TYPE_CHECKING:
@@ -78,12 +79,15 @@ class Substructure:
 
         At one pose from the matrices; at many by `condensed_frequencies`, the same to 1e-9.
         """
+        check_poses(mechanism, poses)
         if poses.shape:
             from analytic.condensed import condensed_frequencies
 
             return condensed_frequencies(
                 mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
             )
+        if not mechanism.simple:
+            return self.modes(mechanism, poses, count).frequencies
         parts = self._chains(mechanism, poses)
         K, M = self._pair(parts)
         count = check_count(count, K.shape[0])
@@ -107,6 +111,8 @@ class Substructure:
 
         Raises `InputError` for a pose out of reach, or more modes than coordinates.
         """
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            return element_modes(mechanism, pose, self.theory, self.elements, count)
         begin = time.perf_counter()
         parts = self._chains(mechanism, pose)
         K, M = self._pair(parts)

@@ -65,7 +65,7 @@ class Theory:
 
     def labels(self, mechanism: Mechanism) -> str:
         """Return the theory's name for the rods of `mechanism`, which may be of many materials."""
-        materials = {limb.rod.material for limb in mechanism.limbs}
+        materials = {rod.material for limb in mechanism.limbs for rod in limb.rods}
         return "; ".join(sorted(map(self.label, materials)))
 
     def label(self, material: Material) -> str:

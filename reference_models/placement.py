@@ -48,6 +48,10 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
     through B_i square to the revolute axis as given, by least squares. Raises `InputError` naming
     the limb and the gap where one does not, or where A_i meets B_i.
     """
+    if any(mechanism.platform.centre):
+        raise InputError("Platform.centre", mechanism.platform.centre, "o itself for this model")
+    if pose.x is not None or np.any(pose.torsion):
+        raise InputError("pose", pose, "z, azimuth and tilt alone for this model")
     turn = _about_z(pose.azimuth)
     rotation = turn @ _about_y(pose.tilt) @ turn.swapaxes(-1, -2)
     bases = np.array([limb.base for limb in mechanism.limbs])

@@ -1,0 +1,123 @@
+"""Frequencies and modes of limbs of any chain: with elements, and without."""
+
+import time
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from analytic.chain_shapes import centre_lines
+from analytic.eigen import hertz
+from analytic.exact_chain import Exact, exact
+from analytic.lanczos import lowest_sparse
+from analytic.mechanism import Mechanism
+from analytic.modes import Modes, check_count
+from analytic.network import Network
+from analytic.pose import Pose, one_pose
+from analytic.theory import Theory
+
+Floats = NDArray[np.float64]
+
+DENSE = 280
+"""Coordinates up to which LAPACK is quicker than Lanczos."""
+REPEATED = 1e-9
+"""Modes whose omega^2 are closer than this, relative, share one eigenspace."""
+
+
+def element_modes(
+    mechanism: Mechanism, pose: Pose, theory: Theory, elements: int, count: int
+) -> Modes:
+    """Return the `count` lowest modes with `elements` a rod, above motions of limbs' own.
+
+    Raises `InputError` as `exact_chain.exact` does, or for more modes than coordinates.
+    """
+    begin = time.perf_counter()
+    problem = exact(mechanism, one_pose(mechanism, pose), theory)
+    net = problem.split(elements)
+    count = check_count(count, net.size - problem.spins)
+    sparse = net.size > DENSE
+    K: Any
+    M: Any
+    K, M = problem.pair(net, sparse=sparse)
+    built = time.perf_counter()
+    still = problem.spins
+    # Spins make K singular; a shift by less than any vibration makes it definite again.
+    shift = 1e-3 * problem.first if still else 0.0
+    if sparse:
+        values, U = lowest_sparse(K, M, count + still, shift)
+    else:
+        size = len(K)
+        mu, U = scipy.linalg.eigh(
+            M, K + shift * M, subset_by_index=(size - count - still, size - 1)
+        )
+        values, U = 1 / mu[::-1] - shift, (U / np.sqrt(mu))[:, ::-1]
+    return _modes(
+        problem, net, U[:, still:], values[still:], np.zeros(count), "substructure",
+        f"rps-bench, {'sparse' if sparse else 'dense'}", elements, theory, mechanism,
+        (begin, built),
+    )  # fmt: skip
+
+
+def exact_modes(mechanism: Mechanism, pose: Pose, theory: Theory, count: int) -> Modes:
+    """Return the `count` lowest modes without elements, each the middle of a counted bracket.
+
+    Raises `InputError` as `exact_chain.exact` does, `NotCertifiedError` where rounding leaves a
+    bracket too wide.
+    """
+    begin = time.perf_counter()
+    problem = exact(mechanism, one_pose(mechanism, pose), theory)
+    built = time.perf_counter()
+    omega2 = problem.brackets(count).mean(axis=1)
+    net = problem.cut(float(omega2[-1]))
+    groups = np.split(np.arange(count), np.flatnonzero(np.diff(omega2) > REPEATED * omega2[1:]) + 1)
+    U = np.empty((net.size, count))
+    for group in groups:
+        U[:, group] = problem.eigenspace(net, float(omega2[group].mean()), len(group))
+    return _modes(
+        problem, net, U, omega2, omega2, "continuum", "rps-bench, Wittrick-Williams", None,
+        theory, mechanism, (begin, built),
+    )  # fmt: skip
+
+
+def _modes(
+    problem: Exact,
+    net: Network,
+    U: Floats,
+    omega2: Floats,
+    bending: Floats,
+    model: str,
+    version: str,
+    elements: int | None,
+    theory: Theory,
+    mechanism: Mechanism,
+    times: tuple[float, float],
+) -> Modes:
+    return Modes(
+        frequencies=hertz(omega2),
+        platform=U[-6:].T,
+        limbs=centre_lines(problem, net, U, bending),
+        theory=theory.labels(mechanism),
+        model=model,
+        version=version,
+        elements=elements,
+        dofs=net.size - problem.spins,
+        residual=None,
+        build_seconds=times[1] - times[0],
+        solve_seconds=time.perf_counter() - times[1],
+    )
+
+
+def frequencies(
+    mechanism: Mechanism, poses: Pose, theory: Theory, elements: int | None, count: int
+) -> Floats:
+    """Return the `count` lowest frequencies [Hz] at every pose, (*poses.shape, count)."""
+    flat = poses.ravel()
+    found = np.empty((len(flat), count))
+    for i, pose in enumerate(flat):
+        if elements is None:
+            omega2 = exact(mechanism, pose, theory).brackets(count).mean(axis=1)
+            found[i] = hertz(omega2)
+        else:
+            found[i] = element_modes(mechanism, pose, theory, elements, count).frequencies
+    return found.reshape(*poses.shape, count)
