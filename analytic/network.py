@@ -170,8 +170,8 @@ def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: f
     """Return the mechanism whose limbs are `groups`, at one pose, in independent coordinates.
 
     `count(group, item)` says into how many pieces a rod is cut; `platform_mass` M_p (6, 6) in
-    global axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with nothing
-    between them, and for limbs without any rod.
+    global axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with
+    nothing between them, and for limbs without any rod.
     """
     rods: list[Piece] = []
     constant: list[tuple[int, tuple[int, ...], Floats]] = []

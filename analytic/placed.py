@@ -262,8 +262,8 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
                 continue
             across = np.cross(axes[turns.index(f)], z)
             size = np.linalg.norm(across, axis=-1)
-            refuse(pose, group, size < ALONG, size,
-                   "universal joints across, not that of limb {} {:.1e} rad from along")  # fmt: skip
+            expected = "universal joints across, not that of limb {} {:.1e} rad from along"
+            refuse(pose, group, size < ALONG, size, expected)
             if not any(of.stiffness[:, f]) and len(turns) == 2:
                 ends.append(across / size[..., None])
     if len(ends) == 2:

@@ -53,13 +53,13 @@ def dynamic_stiffness(rods: Properties, lengths: Floats, omega2: Array) -> Array
         EI = rods.EI[:, plane]
         block = _bending(EI, L, *_numbers(rods, L, lam, plane))
         D[..., np.array(dofs)[:, None], dofs] = block * np.outer(sign, sign)
-    for dofs, stiffness, inertia in (
+    for line, stiffness, inertia in (
         (AXIAL, rods.EA, rods.mass),
         (TORSION, rods.GJ, rods.polar),
     ):
         near, far = _bar(lam * inertia * L**2 / stiffness)
         rows = np.stack([np.stack([near, far], -1), np.stack([far, near], -1)], -2)
-        D[..., np.array(dofs)[:, None], dofs] = rows * (stiffness / L)[:, None, None]
+        D[..., np.array(line)[:, None], line] = rows * (stiffness / L)[:, None, None]
     return D
 
 

@@ -22,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
-from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod
+from analytic import InputError, Limb, Material, Mechanism, Platform, Rod
 from analytic.errors import number, vector
 from harness.cases import PRESETS, Case
+from harness.chain_file import POSE, chain_mechanism, materials, read_pose, rods
 from reference_models import parse
 
 Table = dict[str, Any]
@@ -39,13 +40,16 @@ def load_cases(path: Path) -> dict[str, Case]:
         raise InputError("case_file", str(path), f"a readable file ({reason})") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError("case_file", str(path), f"a TOML file ({error})") from None
-    _only(data, "the file", "mechanisms", "cases")
+    _only(data, "the file", "materials", "rods", "mechanisms", "cases")
+    known = rods(_tables(data, "rods"), materials(_tables(data, "materials")))
     mechanisms = {
         "paper": Mechanism.paper(),
         "paper-printed-inertia": Mechanism.paper(inertia="printed"),
     }
     for name, table in _tables(data, "mechanisms").items():
-        mechanisms[name] = _mechanism(table, f"mechanisms.{name}")
+        own = isinstance(table.get("limbs"), list)
+        where = f"mechanisms.{name}"
+        mechanisms[name] = chain_mechanism(table, where, known) if own else _mechanism(table, where)
     cases = {
         name: _case(name, table, mechanisms, str(path))
         for name, table in _tables(data, "cases").items()
@@ -76,17 +80,13 @@ def _get(table: Table, where: str, key: str, default: float | None = None) -> fl
 
 def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str) -> Case:
     where = f"cases.{name}"
-    _only(table, where, "mechanism", "z_mm", "azimuth_deg", "tilt_deg", "model", "note")
+    _only(table, where, "mechanism", *POSE, "model", "note")
     if name in PRESETS or "," in name:
         raise InputError(where, name, "a name without commas that no built-in case has")
     mechanism = table.get("mechanism", "paper")
     if mechanism not in mechanisms:
         raise InputError(f"{where}.mechanism", mechanism, f"one of {', '.join(mechanisms)}")
-    pose = Pose(
-        _get(table, where, "z_mm") / 1000,
-        np.radians(_get(table, where, "azimuth_deg", 0.0)),
-        np.radians(_get(table, where, "tilt_deg", 0.0)),
-    )
+    pose = read_pose(table, where)
     note = str(table.get("note", f"{mechanism} of {source}"))
     theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
     return Case(name, mechanisms[mechanism], pose, note, theory)

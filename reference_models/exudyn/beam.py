@@ -8,10 +8,11 @@ import numpy as np
 
 from analytic.errors import InputError, number
 from analytic.errors import count as whole
-from analytic.mechanism import Mechanism
+from analytic.mechanism import Mechanism, Rod
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
+from reference_models.exudyn.chain import chain_modes
 from reference_models.exudyn.system import (
     Axis,
     Line,
@@ -49,10 +50,27 @@ class ExudynBeam:
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""
+        if not mechanism.simple:
+            theory = self.info().theory
+            return chain_modes(NAME, theory, self.elements, self._kappas, mechanism, pose, count)
         ratios = {limb.rod.material.poisson for limb in mechanism.limbs}
         kappas = sorted({shear_coefficient(self.shear, ratio) for ratio in ratios})
         labels = "; ".join(f"Timoshenko, kappa={kappa:.4g}" for kappa in kappas)
         return run(NAME, labels, self.elements, self._add_rod, mechanism, pose, count)
+
+    def _kappas(self, rod: Rod) -> tuple[float, float]:
+        """Return the shear coefficients along x and y; Cowper's of a hollow section too."""
+        own, nu = rod.section, rod.material.poisson
+        if own.shear_coefficients is not None:
+            return own.shear_coefficients
+        if own.diameter is None:
+            raise InputError("Section.shear_coefficients", None, "two, as the section is not round")
+        kappa = shear_coefficient(self.shear, nu)
+        if self.shear == "cowper":
+            m2 = (own.bore / own.diameter) ** 2
+            w = (1 + m2) ** 2
+            kappa = 6 * (1 + nu) * w / ((7 + 6 * nu) * w + (20 + 12 * nu) * m2)
+        return kappa, kappa
 
     def _add_rod(self, exu: Any, mbs: Any, axis: Axis) -> Line:
         items, rod = exu.itemInterface, axis.rod
