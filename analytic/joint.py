@@ -107,8 +107,8 @@ class Joint:
 
     @property
     def hinge(self) -> Freedom | None:
-        """The freedom of a joint that only turns about one axis, not across the limb, or None."""
-        turns = [freedom for freedom in self.freedoms if freedom.kind == "rotation"]
+        """The freedom of a joint that turns freely about one axis alone, not across, or None."""
+        turns = [f for f in self.freedoms if f.kind == "rotation" and not f.stiffness]
         return turns[0] if len(turns) == 1 and not turns[0].across else None
 
 

@@ -117,6 +117,8 @@ class Limb:
             and isinstance(rod, Rod)
             and last == Joint.spherical()
             and rod.length is None
+            and rod.section.diameter is not None
+            and not rod.section.bore
             and not first.slider
             and first == Joint.revolute(first.freedoms[0].axis)
         )

@@ -253,8 +253,9 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
     for of in group.freedoms.values():
         turns = [f for f, kind in enumerate(of.kinds) if kind == "rotation"]
         axes = [found._global(of.axes[:, f], of.frames[f]) for f in turns]
-        if len(turns) == 1 and not of.across[turns[0]]:
-            lean = np.abs((axes[0] * z).sum(axis=-1))
+        ideal = [f for f in turns if not of.stiffness[:, f].any()]
+        if len(ideal) == 1 and not of.across[ideal[0]]:
+            lean = np.abs((axes[turns.index(ideal[0])] * z).sum(axis=-1))
             refuse(pose, group, (lean > SQUARE) & (lean * total > CLOSURE), lean * total,
                    "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it")  # fmt: skip
         for f in turns:
@@ -264,7 +265,7 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
             size = np.linalg.norm(across, axis=-1)
             expected = "universal joints across, not that of limb {} {:.1e} rad from along"
             refuse(pose, group, size < ALONG, size, expected)
-            if not any(of.stiffness[:, f]) and len(turns) == 2:
+            if f in ideal and len(turns) == 2:
                 ends.append(across / size[..., None])
     if len(ends) == 2:
         lean = np.linalg.norm(np.cross(ends[0], ends[1]), axis=-1)

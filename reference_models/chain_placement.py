@@ -108,9 +108,8 @@ def triad(axes: list[Array]) -> Array | None:
         if any(dot > 1e-9 for dot in along):
             return None
         found.append(axis)
-    for spare in np.eye(3)[
-        np.argsort([max((abs(s @ f) for f in found), default=0) for s in np.eye(3)])
-    ]:
+    leaning = np.array([max([abs(float(s @ f)) for f in found], default=0.0) for s in np.eye(3)])
+    for spare in np.eye(3)[np.argsort(leaning)]:
         if len(found) == 3:
             break
         left = spare - sum((spare @ f) * f for f in found)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import Body, Joint, Mechanism, Rod
+from analytic.mechanism import Body, Joint, Limb, Mechanism, Rod
 from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose
 from reference_models.chain_placement import Standing, stand, triad
@@ -19,6 +19,8 @@ from reference_models.protocol import ModelError
 
 Array = NDArray[np.float64]
 
+STILL = 1e-4
+"""A frequency below this part of the highest found is that of a limb that spins."""
 CLOSED = 1e-9
 """Markers of a joint further apart than this part of the mechanism are an open joint."""
 
@@ -65,7 +67,14 @@ def chain_modes(
             raise ModelError(f"{name}: joints are open by {residual:.1e} m")
         M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
         made = time.perf_counter()
-        frequencies, q, free = constrained_modes(name, K, M, J.T, count)
+        # As many modes more as limbs that could spin between two balls.
+        spare = sum(_may_spin(limb.limb) for limb in limbs)
+        frequencies, q, free = constrained_modes(name, K, M, J.T, count + spare)
+        still = frequencies < STILL * frequencies[-1]
+        if still.sum() > spare:
+            raise ModelError(f"{name}: {int(still.sum())} motions need no energy, of {spare} limbs")
+        kept = np.flatnonzero(~still)[:count]
+        frequencies, q = frequencies[kept], q[:, kept]
         solved = time.perf_counter()
         velocity, spin = exu.OutputVariableType.Velocity, exu.OutputVariableType.AngularVelocity
         platform, lines = [], []
@@ -89,6 +98,17 @@ def chain_modes(
         build_seconds=made - begin,
         solve_seconds=solved - made,
     )
+
+
+def _may_spin(limb: Limb) -> bool:
+    """Return whether a limb has a freely turning ball near either end."""
+    balls = [
+        item
+        for item in limb.chain
+        if isinstance(item, Joint)
+        and sum(f.kind == "rotation" and not f.stiffness for f in item.freedoms) == 3
+    ]
+    return len(balls) == 2
 
 
 def _velocity(
