@@ -7,7 +7,8 @@ eigenvalues. Motions of a limb's own that need no energy (see `mobility.spins`) 
 any omega; they are left out.
 
 D is written in the motions of the mechanism's elements, one a piece, each divided by the larger of
-its own omega and the one asked for: every entry is of order one, soft motions beside stiff ones.
+its own omega and the one asked for, so that every entry is of order one, and then by the root of
+that ratio: rounding of stiff motions, far from zero, is not to blur soft ones.
 """
 
 from dataclasses import dataclass
@@ -184,7 +185,9 @@ class Exact:
     def _form(self, net: Network, omega2: Floats) -> ChainForm:
         sigma, vectors = self.motions(net)
         D = self.dynamic(net, omega2 * (1 + 1j * STEP))
-        scale = 1 / np.maximum(sigma, np.sqrt(omega2)[:, None])
+        omega = np.sqrt(omega2)[:, None]
+        larger = np.maximum(sigma, omega)
+        scale = np.sqrt(omega / larger) / larger
         back = vectors * scale[:, None, :]
         real = np.ascontiguousarray(D.real)
         matrix = back.swapaxes(1, 2) @ real @ back
@@ -210,11 +213,22 @@ class Exact:
         for close in CLOSE:
             x = roots(problem, rank, np.zeros(count), high, upper, close)
             try:
-                return certified(problem, rank, x)
+                return certified(problem, rank, self._polished(rank, x))
             except NotCertifiedError:
                 if close == CLOSE[-1]:
                     raise
         raise AssertionError
+
+    def _polished(self, rank: NDArray[np.intp], omega2: Floats) -> Floats:
+        """Return roots by D's own eigenvalues, whose rounding no stiff motion makes large."""
+        x = omega2
+        for _ in range(2):
+            form = self.form(x)
+            values, vectors = np.linalg.eigh(form.matrix)
+            row, k = np.arange(len(x)), rank + self.spins
+            v = vectors[row, :, k]
+            x = x + values[row, k] / np.einsum("qi,qij,qj->q", v, form.mass, v)
+        return x
 
     def _upper(self, count: int, net: Network | None = None) -> Floats:
         """Return upper bounds of the lowest `count` omega^2, from as many elements as it takes."""

@@ -3,10 +3,11 @@
 Along a chain the motion u (6) of a point is carried from item to item. A rigid link carries it as
 a rigid body does. A joint of freedoms E (6 x f) lets it change by E r; its coordinates are the
 absolute motions q along the freedoms, so that
-    u_after = (1 - E E+) u_before + E q,  r = q - E+ u_before,
+    u_after = (1 - E E+) u_before + E q,
 and at the tip, where the platform says what comes after, likewise backwards. With one free
-rotation at the base that is Eqs. (17)-(18), with three at the tip Eq. (10). Springs have the
-energy r^T k r / 2. Coordinates of a limb run from the base to the tip; the platform's six are last.
+rotation at the base that is Eqs. (17)-(18), with three at the tip Eq. (10). Where a freedom has a
+stiffness its coordinate is r itself, of energy r^T k r / 2. Coordinates of a limb run from the base
+to the tip; the platform's six are last.
 """
 
 from collections.abc import Sequence
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from analytic.assembly import Layout, layout
 from analytic.errors import InputError
-from analytic.mechanism import Body
+from analytic.mechanism import Body, Joint
 from analytic.placed import Alike, Placed
 from analytic.platform import body_mass
 
@@ -262,40 +263,43 @@ class _Walk:
         if not f:
             return held or Map((), np.zeros((self.n, 6, 0)))
         scale = np.array([1.0] * 3 + [self.unit] * 3)[:, None]
-        inverse = self._inverse(E * scale, joints) * scale.T
+        self._check_independent(E * scale, joints)
         stiffness = np.concatenate([self.alike.freedoms[k].stiffness for k in joints], axis=1)
-        q = self._new(f)
-        if held is None or not held.size:
-            u, r = Map(q, E), Map(q, np.broadcast_to(np.eye(f), (self.n, f, f)))
-        else:
-            along = inverse @ held.matrix
-            columns = (*held.columns, *q)
-            u = Map(columns, np.concatenate([held.matrix - E @ along, E], axis=-1))
-            unit = np.broadcast_to(np.eye(f), (self.n, f, f))
-            r = Map(columns, np.concatenate([-along, unit], axis=-1))
-        if stiffness.any():
-            block = np.zeros((2, self.n, r.size, r.size))
-            block[0] = r.matrix.swapaxes(-1, -2) @ (stiffness[..., None] * r.matrix)
-            self.constant.append((self.group, r.columns, block))
+        sprung = (stiffness > 0).any(axis=0)
+        u = held or Map((), np.zeros((self.n, 6, 0)))
+        if sprung.any():
+            # Relative coordinates: the stretch of a stiff spring is no difference of large motions.
+            r = self._new(int(sprung.sum()))
+            u = Map((*u.columns, *r), np.concatenate([u.matrix, E[..., sprung]], axis=-1))
+            block = np.zeros((2, self.n, len(r), len(r)))
+            block[0, :, range(len(r)), range(len(r))] = stiffness[:, sprung].T
+            self.constant.append((self.group, r, block))
+        if not sprung.all():
+            free = E[..., ~sprung]
+            q = self._new(free.shape[-1])
+            left = u.matrix
+            if u.size:
+                left = left - free @ ((np.linalg.pinv(free * scale) * scale.T) @ left)
+            u = Map((*u.columns, *q), np.concatenate([left, free], axis=-1))
         return u
 
-    def _inverse(self, E: Floats, joints: list[int]) -> Floats:
-        """Return E+ of every limb (n, f, 6), or refuse freedoms that depend on each other."""
+    def _check_independent(self, E: Floats, joints: list[int]) -> None:
+        """Refuse freedoms (n, 6, f) that depend on each other with nothing between them."""
         size = np.linalg.norm(E, axis=1, keepdims=True)
-        U, sigma, V = np.linalg.svd(E / size, full_matrices=False)
-        poor = (sigma[:, -1] < DEPENDENT) | (E.shape[-1] > 6)
+        least = np.zeros(self.n)
+        if E.shape[-1] <= 6:
+            least = np.linalg.svd(E / size, compute_uv=False)[:, -1]
+        poor = least < DEPENDENT
         if poor.any():
             limb = int(self.alike.limbs[int(poor.argmax())]) + 1
-            names = " and ".join(str(self.alike.chains[0][k].name) for k in sorted(joints))  # type: ignore[union-attr]
+            items = [self.alike.chains[0][k] for k in sorted(joints)]
+            names = " and ".join(item.name for item in items if isinstance(item, Joint))
             raise InputError(
                 "mechanism",
                 f"limb {limb}: the freedoms of {names} depend on each other "
-                f"({float(sigma[:, -1].min()):.1e} of independent)",
+                f"({float(least.min()):.1e} of independent)",
                 "something between joints that share a freedom",
             )
-        return np.asarray(
-            (V.swapaxes(-1, -2) / sigma[:, None, :]) @ U.swapaxes(-1, -2) / size.swapaxes(-1, -2)
-        )
 
     def _weigh(self, k: int, held: Map) -> None:
         """Add the mass of the bodies that are item `k`."""
