@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.mechanism import Mechanism
+from analytic.placed import place
+from analytic.placed import position as chain_position
 from analytic.pose import Closure, Pose, closed
 
 Array = NDArray[Any]
@@ -62,8 +64,11 @@ class Limbs:
 def limbs_at(mechanism: Mechanism, pose: Pose) -> Limbs:
     """Return the limbs at `pose`, by Eq. (3): B_i A_i = O o + R o A_i - O B_i.
 
+    Of other chains, lengths and z axes are from where a limb starts, on its slider, to A_i.
     Raises `InputError` where a joint cannot close (see `position`).
     """
+    if isinstance(mechanism, Mechanism) and isinstance(pose, Pose) and not mechanism.simple:
+        return _of_chains(mechanism, pose)
     return limbs_of(mechanism.axes, closed(mechanism, pose))
 
 
@@ -80,6 +85,17 @@ def limbs_of(axes: Array, closure: Closure) -> Limbs:
     x /= np.sqrt((x * x).sum(axis=-1))[..., None]
     frames = np.stack([x, _cross(z, x), z], axis=-1)
     return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)
+
+
+def _of_chains(mechanism: Mechanism, pose: Pose) -> Limbs:
+    groups, n = place(mechanism, pose), len(mechanism.limbs)
+    arms, lengths = np.empty((*pose.shape, n, 3)), np.empty((*pose.shape, n))
+    frames = np.empty((*pose.shape, n, 3, 3))
+    for group in groups:
+        which = group.alike.limbs
+        arms[..., which, :], frames[..., which, :, :] = group.arms, group.frames
+        lengths[..., which] = group.lengths.sum(axis=-1)
+    return Limbs(pose.rotation, chain_position(mechanism, pose), arms, lengths, frames)
 
 
 def _cross(a: Array, b: Array) -> Array:

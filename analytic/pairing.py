@@ -7,9 +7,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS, Modes
+from analytic.placed import limb_masses
 from analytic.pose import Pose
 from analytic.substructure import platform_mass
 
@@ -104,14 +104,12 @@ def repeated(frequencies: NDArray[np.float64], within: float = REPEATED) -> list
 def mass_vectors(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     """Return shapes (m, N) whose dot product is the centre lines' and platform's mass product.
 
-    Simpson's rule over the stations with each rod's mass, and M_p of Eq. (7) for the platform.
+    Simpson's rule over the stations with each limb's mass, and M_p of Eq. (7) for the platform.
     """
     simpson = np.ones(len(STATIONS))
     simpson[1:-1:2], simpson[2:-1:2] = 4, 2
     simpson /= simpson.sum()
-    rods = [limb.rod for limb in mechanism.limbs]
-    per_length = np.array([rod.material.density * rod.area for rod in rods])
-    mass = per_length * limbs_at(mechanism, pose).lengths
+    mass = limb_masses(mechanism, pose)
     weighted = modes.limbs * np.sqrt(mass[:, None] * simpson)[..., None]
     platform = modes.platform @ np.linalg.cholesky(platform_mass(mechanism, pose))
     return np.concatenate([platform, weighted.reshape(len(modes.frequencies), -1)], axis=1)

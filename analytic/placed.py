@@ -200,6 +200,21 @@ def position(mechanism: Mechanism, pose: Pose) -> Floats:
     return np.concatenate([-gap @ across.T, z], axis=-1)
 
 
+def limb_masses(mechanism: Mechanism, pose: Pose) -> Floats:
+    """Return the mass of every limb, bodies and all, at one pose, (n,) [kg]."""
+    result = np.empty(len(mechanism.limbs))
+    for group in place(mechanism, pose):
+        for i, chain, lengths in zip(
+            group.alike.limbs, group.alike.chains, group.lengths, strict=True
+        ):
+            result[i] = sum(
+                item.mass if isinstance(item, Body) else item.material.density * item.area * length
+                for item, length in zip(chain, lengths, strict=True)
+                if isinstance(item, (Body, Rod))
+            )
+    return result
+
+
 def place(mechanism: Mechanism, pose: Pose) -> list[Placed]:
     """Return all limbs at `pose`, in groups of equal structure.
 

@@ -215,6 +215,11 @@ def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     and y = r2 (1 - cos theta) sin(2 phi) / 2, about the first (see `closure`).
     Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
     """
+    check_poses(mechanism, pose)
+    if not mechanism.simple:
+        from analytic import placed  # which needs the poses
+
+        return placed.position(mechanism, pose)
     return closed(mechanism, pose).centre
 
 

@@ -220,11 +220,8 @@ def nodes(parts: Chains, U: Floats) -> Floats:
 
 def platform_mass(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     """Return M_p = T_p ^oM_p T_p^T about o in global axes, Eqs. (7)-(9), shape (6, 6)."""
-    R = pose.rotation
-    M = np.zeros((6, 6))
-    M[:3, :3] = mechanism.platform.mass * np.eye(3)
-    M[3:, 3:] = R @ np.array(mechanism.platform.inertia) @ R.T
-    return M
+    turn = np.kron(np.eye(2), pose.rotation)
+    return np.asarray(turn @ mechanism.platform.mass_matrix @ turn.T)
 
 
 def rigid_arm(arm: Floats) -> Floats:

@@ -37,8 +37,8 @@ def torsion(mechanism: Mechanism, pose: Pose) -> Array:
     f = sqrt(G / rho) / 4 L of a rod fixed at B_i and free at A_i; the next are 3, 5 ... times it.
     """
     lengths = limbs_at(mechanism, pose).lengths
-    materials = [limb.rod.material for limb in mechanism.limbs]
-    speed = np.array([np.sqrt(m.shear / m.density) for m in materials])
+    each = [[rod.material for rod in limb.rods] for limb in mechanism.limbs]
+    speed = np.array([min(np.sqrt(m.shear / m.density) for m in rods) for rods in each])
     return np.asarray(speed / (4 * lengths))
 
 
