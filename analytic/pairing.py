@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS, Modes
-from analytic.placed import limb_masses
+from analytic.placed import station_masses
 from analytic.pose import Pose
 from analytic.substructure import platform_mass
 
@@ -104,12 +104,12 @@ def repeated(frequencies: NDArray[np.float64], within: float = REPEATED) -> list
 def mass_vectors(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     """Return shapes (m, N) whose dot product is the centre lines' and platform's mass product.
 
-    Simpson's rule over the stations with each limb's mass, and M_p of Eq. (7) for the platform.
+    Simpson's rule over the stations with the rods' mass, bodies at the nearest, and M_p of Eq. (7) for the platform.
     """
     simpson = np.ones(len(STATIONS))
     simpson[1:-1:2], simpson[2:-1:2] = 4, 2
     simpson /= simpson.sum()
-    mass = limb_masses(mechanism, pose)
-    weighted = modes.limbs * np.sqrt(mass[:, None] * simpson)[..., None]
+    mass = station_masses(mechanism, pose, simpson)
+    weighted = modes.limbs * np.sqrt(mass)[..., None]
     platform = modes.platform @ np.linalg.cholesky(platform_mass(mechanism, pose))
     return np.concatenate([platform, weighted.reshape(len(modes.frequencies), -1)], axis=1)

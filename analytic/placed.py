@@ -200,18 +200,22 @@ def position(mechanism: Mechanism, pose: Pose) -> Floats:
     return np.concatenate([-gap @ across.T, z], axis=-1)
 
 
-def limb_masses(mechanism: Mechanism, pose: Pose) -> Floats:
-    """Return the mass of every limb, bodies and all, at one pose, (n,) [kg]."""
-    result = np.empty(len(mechanism.limbs))
+def station_masses(mechanism: Mechanism, pose: Pose, weights: Floats) -> Floats:
+    """Return the mass of every limb at one pose by stations equally far apart, (n, k) [kg].
+
+    `weights` (k,), of sum 1, divide that of its rods; a body belongs to the station next to it.
+    """
+    result = np.zeros((len(mechanism.limbs), len(weights)))
     for group in place(mechanism, pose):
-        for i, chain, lengths in zip(
-            group.alike.limbs, group.alike.chains, group.lengths, strict=True
+        ends = np.cumsum(group.lengths, axis=-1)
+        for i, chain, lengths, end in zip(
+            group.alike.limbs, group.alike.chains, group.lengths, ends, strict=True
         ):
-            result[i] = sum(
-                item.mass if isinstance(item, Body) else item.material.density * item.area * length
-                for item, length in zip(chain, lengths, strict=True)
-                if isinstance(item, (Body, Rod))
-            )
+            for item, length, at in zip(chain, lengths, end, strict=True):
+                if isinstance(item, Rod):
+                    result[i] += item.material.density * item.area * length * weights
+                elif isinstance(item, Body):
+                    result[i, round(at / end[-1] * (len(weights) - 1))] += item.mass
     return result
 
 

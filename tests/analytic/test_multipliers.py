@@ -56,10 +56,7 @@ def mechanisms(draw: Any) -> Mechanism:
     heading = draw(st.floats(-np.pi, np.pi))
     limbs = Mechanism.regular(*radii, rods[0], platform, heading=heading).limbs
     return Mechanism(
-        tuple(
-            type(limb)(limb.base, limb.axis, limb.platform_point, rod)
-            for limb, rod in zip(limbs, rods, strict=True)
-        ),
+        tuple(limb.with_rod(rod) for limb, rod in zip(limbs, rods, strict=True)),
         platform,
     )
 
