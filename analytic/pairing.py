@@ -104,7 +104,8 @@ def repeated(frequencies: NDArray[np.float64], within: float = REPEATED) -> list
 def mass_vectors(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
     """Return shapes (m, N) whose dot product is the centre lines' and platform's mass product.
 
-    Simpson's rule over the stations with the rods' mass, bodies at the nearest, and M_p of Eq. (7) for the platform.
+    Simpson's rule over the stations with the rods' mass, bodies at the nearest, and M_p of Eq. (7)
+    for the platform.
     """
     simpson = np.ones(len(STATIONS))
     simpson[1:-1:2], simpson[2:-1:2] = 4, 2

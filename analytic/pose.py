@@ -1,6 +1,6 @@
 """Where the platform is: tilt-and-torsion angles and height, Eqs. (1)-(2)."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,6 +91,15 @@ class Pose:
         left = leaned(azimuth, tilt).swapaxes(-1, -2) @ R
         torsion = np.arctan2(left[..., 1, 0], left[..., 0, 0])
         return cls(o[..., 2], azimuth, tilt, torsion, o[..., 0], o[..., 1])
+
+    @classmethod
+    def stacked(cls, poses: Sequence["Pose"]) -> "Pose":
+        """Return single poses as one row; raises `InputError` where some say x and y, some not."""
+        free = {pose.x is None for pose in poses}
+        if len(free) > 1:
+            raise InputError("poses", poses, "poses that all say x and y, or none")
+        values = ([getattr(pose, name) for pose in poses] for name in FIELDS)
+        return cls(*(None if None in row else np.array(row) for row in values))
 
     @classmethod
     def planar(cls, x: Any, y: Any, angle: Any = 0.0, z: Any = 0.0) -> "Pose":

@@ -179,7 +179,7 @@ class BatchTask:
     def solve(self) -> Batch:
         """Return the frequencies and the seconds a pose; the tables are made beforehand."""
         poses = [case.pose for case in self.cases]
-        many = Pose(*(np.array([getattr(p, x) for p in poses]) for x in Pose.__match_args__))
+        many = Pose.stacked(poses)
         mechanism = self.cases[0].mechanism
         self.model.frequencies(mechanism, many[:2], MODES)
         began = time.perf_counter()

@@ -32,10 +32,10 @@ def _eq_1(right: Any) -> Any:
 
 
 def _eq_2(right: Any) -> Any:
-    def wrong(axes: Any, bases: Any, points: Any, z: Any, R: Any) -> Any:
+    def wrong(axes: Any, bases: Any, points: Any, z: Any, *rest: Any) -> Any:
         # The other sign of z in the joints' conditions, or of x and y, opens them; a lifted
         # platform does not.
-        return right(axes, bases, points, 1.001 * np.asarray(z), R)
+        return right(axes, bases, points, 1.001 * np.asarray(z), *rest)
 
     return wrong
 
@@ -45,7 +45,7 @@ def _doubled(right: property) -> property:
 
 
 SLIPS = {
-    "Eq. 1": Slip(pose, "rotation", _eq_1, "exudyn-cable"),
+    "Eq. 1": Slip(pose, "leaned", _eq_1, "exudyn-cable"),
     "Eq. 2": Slip(pose, "closure", _eq_2, "exudyn-cable"),
     "A": Slip(Rod, "area", _doubled, "ngsolve-averaged"),
     "I": Slip(Rod, "second_moment", _doubled, "ngsolve-averaged"),
