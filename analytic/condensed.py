@@ -177,7 +177,7 @@ def _loop(size: int, fast: bool | None) -> Loop | None:
         return None
     loop = compiled()
     if loop is None and fast:
-        raise InputError("fast", fast, "numba to be installed: pip install 'rps-bench[fast]'")
+        raise InputError("fast", fast, "numba to be installed: pip install numba")
     return loop
 
 

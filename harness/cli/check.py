@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
 from harness.cli.reproduce import LATEST
 from harness.cli.terminal import Bar, show_tables
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from harness.gate.report import Report
     from harness.gate.timing_watch import Timing
 
-ACCEPTED = "results/accepted"
-BASELINE = f"{ACCEPTED}/baseline"
 FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
 """What --output writes, by the option that writes it elsewhere."""
 
@@ -33,8 +32,8 @@ def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
         flags.history(),
         click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose."),
         flags.option("models", "A,B", "These models only, by name."),
-        flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE} without "
-                     "--case-file, where a folder of your own is needed."),
+        flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE}, or the "
+                     "release's; with --case-file a folder of your own is needed."),
         flags.option("case_file", *flags.FLAGS["case_file"]),
     ):  # fmt: skip
         command = option(command)
@@ -148,6 +147,7 @@ def _asked(
     Raises `InputError` naming the argument that is wrong, before anything is solved.
     """
     from analytic import InputError
+    from harness.accepted import baseline as usual
     from harness.gate.files import load
     from harness.gate.plan import standard
     from harness.output import check_folder
@@ -158,7 +158,7 @@ def _asked(
     if baseline is None and case_file is not None:
         expected = "a folder for the figures of your own cases, or none"
         raise InputError("baseline", baseline, expected)
-    text = BASELINE if baseline is None else baseline
+    text = (BASELINE if new else str(usual())) if baseline is None else baseline
     folder = None if text == "none" else check_folder(text, "baseline")
     known = None if folder is None else load(folder)
     if known is None and folder is not None and not new:
