@@ -29,12 +29,12 @@ class Case:
     @property
     def heading(self) -> str:
         """The case in words, for a figure."""
-        return f"{self.name}: {self.title}" if self.title else self.name
+        return self.title or self.name
 
 
 _POSES = {  # phi, theta [deg], Section 3.3
-    "case1": (0.0, 0.0, "level platform"),
-    "case2": (10.0, -12.0, "tilted platform"),
+    "case1": (0.0, 0.0, "Case 1", "level platform"),
+    "case2": (10.0, -12.0, "Case 2", "tilted platform"),
 }
 
 
@@ -63,8 +63,9 @@ def _presets() -> dict[str, Case]:
     ]  # fmt: skip
     cases = {}
     for suffix, mechanism, z, theory, errata, note in variants:
-        for published, (azimuth, tilt, title) in _POSES.items():
+        for published, (azimuth, tilt, number, platform) in _POSES.items():
             name = published + suffix
+            title = f"{number}{suffix.replace('-', ', ', 1).replace('-', ' ')}: {platform}"
             pose = Pose(z, np.radians(azimuth), np.radians(tilt))
             cases[name] = Case(name, mechanism, pose, note, theory, published, errata, title)
     return cases

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at, position
+from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.compare import failure_notes
+from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
+from harness.figures import COLOURS
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
@@ -20,14 +22,11 @@ from reference_models import Named
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 Array = NDArray[np.float64]
 OUTPUT = "shapes"
-AMPLITUDE = 0.2
-"""Largest displacement drawn, relative to the mean limb length."""
-_RING = np.linspace(0, 2 * np.pi, 33)
 
 
 @dataclass(frozen=True)
@@ -171,69 +170,53 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
 def shapes_figure(
     study: Study, case: Case, models: Sequence[Named], shown: Sequence[int]
 ) -> "Figure":
-    """Return one row of pictures a model, one column a mode; the undeformed shape is faint."""
+    """Return one row of pictures a model, one column a mode, all of one size and view."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(2.5 * len(shown), 3.0 * len(models) + 0.4), layout="constrained")
-    panels = figure.subplots(
-        len(models), len(shown), squeeze=False, subplot_kw={"projection": "3d"}
-    )
+    there = drawn(case.mechanism, case.pose)
+    figure = Figure(figsize=(2.1 * len(shown) + 0.3, 2.2 * len(models) + 0.7), layout="constrained")
+    panels = figure.subplots(len(models), len(shown), squeeze=False, sharex=True, sharey=True)
     for row, (model, strip) in enumerate(zip(models, panels, strict=True)):
         modes = study.get(case, model) if row == 0 else aligned(study, case, models[0], model)
         for i, axes in zip(shown, strip, strict=True):
-            axes.set_axis_off()
+            axes.set(aspect="equal", xticks=[], yticks=[])
+            axes.spines[:].set_visible(False)
             if modes is None:
                 axes.set_title("failed", fontsize=9)
                 continue
-            draw_mode(axes, case.mechanism, case.pose, modes, i - 1)
+            draw_mode(axes, there, modes, i - 1)
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
-        strip[0].text2D(-0.02, 0.5, model.label, transform=strip[0].transAxes, rotation=90,
-                        va="center", ha="right", fontsize=9)  # fmt: skip
+        strip[0].set_ylabel(model.label, fontsize=9)
     figure.suptitle(
-        f"Mode shapes of {case.name}; the largest displacement is drawn as {AMPLITUDE:g} of the "
-        "mean limb length", fontsize=11,
+        f"Mode shapes, {case.heading}. The largest displacement is drawn as {AMPLITUDE:g} of the "
+        "mean limb length; dashed: at rest.", fontsize=11,
     )  # fmt: skip
     return figure
 
 
-def draw_mode(
-    axes: "Axes3D", mechanism: Mechanism, pose: Pose, modes: Modes | Turned, i: int
-) -> None:
-    """Draw mode `i` over the undeformed mechanism."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None:
+    """Draw mode `i` over the outline of the mechanism at rest; what is nearer hides what is not."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
 
-    limbs = limbs_at(mechanism, pose)
-    o, R = position(mechanism, pose), pose.rotation
-    scale = AMPLITUDE * limbs.lengths.mean() / np.abs(modes.limbs[i]).max(initial=1e-12)
-    shift, spin = scale * modes.platform[i, :3], scale * modes.platform[i, 3:]
-    for k, limb in enumerate(mechanism.limbs):
-        frame, base = limbs.frames[k], np.array(limb.base)
-        line = base + STATIONS[:, None] * limbs.lengths[k] * frame[:, 2]
-        for points, colour, alpha in (
-            (line, "0.6", 0.25), (line + scale * modes.limbs[i, k], "#0072B2", 1.0)
-        ):  # fmt: skip
-            x, y, z = tube(points, frame, limb.rod.diameter / 2)
-            # As a picture within the drawing: a page of vectors has a hundred thousand faces.
-            axes.plot_surface(x, y, z, color=colour, alpha=alpha, linewidth=0, shade=alpha == 1,
-                              rasterized=True)  # fmt: skip
-    radius = np.linalg.norm(mechanism.platform_points, axis=1).max()
-    arms = radius * np.stack([np.cos(_RING), np.sin(_RING), 0 * _RING], axis=1) @ R.T
-    for points, colour, alpha in (
-        (o + arms, "0.6", 0.25), (o + shift + arms + np.cross(spin, arms), "#E69F00", 0.8)
-    ):  # fmt: skip
-        axes.add_collection3d(Poly3DCollection([points], facecolor=colour, alpha=alpha, lw=0))
-    reach = 1.05 * max(float(np.abs(mechanism.bases[:, :2]).max()), float(o[2]) / 2)
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(0, 1.05 * o[2] + 0.1 * reach))
-    axes.set_box_aspect((2 * reach, 2 * reach, 1.05 * o[2] + 0.1 * reach), zoom=1.2)
-    axes.view_init(elev=18, azim=-60)
-
-
-def tube(points: Array, frame: Array, radius: float) -> tuple[Array, Array, Array]:
-    """Return x, y, z of a tube of `radius` around `points` (k, 3), each (k, 33)."""
-    ring = np.cos(_RING)[:, None] * frame[:, 0] + np.sin(_RING)[:, None] * frame[:, 1]
-    surface = points[:, None] + radius * ring
-    return surface[..., 0], surface[..., 1], surface[..., 2]
+    enlarged = float(scale(there, modes.limbs[i]))
+    surfaces = there.surfaces(enlarged * modes.platform[i], enlarged * modes.limbs[i])
+    found = [faces(surface) for surface in surfaces]
+    tints = [COLOURS[0]] * (len(found) - 1) + [COLOURS[1]]
+    corners, near, light = (np.concatenate(part) for part in zip(*found, strict=True))
+    near[-len(found[-1][1]) :] += there.rods.max()  # the platform lies on the ends of the rods
+    own = np.repeat([to_rgb(tint) for tint in tints], [len(one[1]) for one in found], axis=0)
+    order = near.argsort()
+    colours = (own * (0.55 + 0.45 * light[:, None]))[order]
+    # As a picture within the drawing: a page of vectors has a hundred thousand faces.
+    axes.add_collection(PolyCollection([*corners[order]], facecolors=colours, edgecolors=colours,
+                                       linewidths=0.3, rasterized=True, zorder=2))  # fmt: skip
+    ground = np.concatenate([there.bases, there.bases[:1]])
+    axes.plot(*seen(ground)[0].T, color="0.6", lw=1, zorder=1)
+    for line in (*there.limbs(), there.centre + there.rim()):
+        axes.plot(*seen(line)[0].T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=3)
+    axes.autoscale_view()
 
 
 def assurance_figure(

@@ -73,8 +73,8 @@ def test_the_first_screen_answers(kept: Any) -> None:
     )
     panels = first["fig3"]["panels"]
     assert [panel["title"] for panel in panels] == [
-        "case1: level platform",
-        "case2: tilted platform",
+        "Case 1: level platform",
+        "Case 2: tilted platform",
     ]
     labels = [one["modes"] for one in panels[0]["labels"]]
     upper, lower = labels[0], labels[-1]
