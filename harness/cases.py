@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic import InputError, Mechanism, Platform, Pose
+from analytic import Mechanism, Platform, Pose
+from analytic.errors import unknown
 from reference_models import Named
 
 
@@ -79,5 +80,5 @@ def select(names: list[str], extra: dict[str, Case]) -> list[Case]:
     known = PRESETS | extra
     for name in names:
         if name not in known:
-            raise InputError("cases", name, f"one of {', '.join(known)}")
+            raise unknown("cases", name, known)
     return [known[name] for name in dict.fromkeys(names)]

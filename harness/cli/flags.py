@@ -2,7 +2,7 @@
 
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,46 @@ def flag(name: str) -> str:
 def option(name: str, metavar: str, text: str, **more: Any) -> Callable[..., Any]:
     """Return click's decorator for an argument that is handed over as text."""
     _known.add(name)
+    if name in NAMES:
+        more["shell_complete"] = _completed
     return click.option(flag(name), name, metavar=metavar, help=text, **more)
+
+
+def _completed(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
+    """Return how the last of the names `typed`, separated by commas, may go on."""
+    head, comma, last = typed.rpartition(",")
+    known = NAMES[parameter.name or ""](context.params.get("case_file"))
+    return [f"{head}{comma}{name}" for name in known if name.startswith(last)]
+
+
+def _cases(file: str | None) -> Iterable[str]:
+    from harness.case_file import load_cases
+    from harness.cases import PRESETS
+
+    return [*PRESETS, *(load_cases(Path(file)) if file else ())]
+
+
+def _models(_file: str | None) -> Iterable[str]:
+    from reference_models import catalogue
+
+    return [name for name, _ in catalogue()]
+
+
+def _references(file: str | None) -> Iterable[str]:
+    return ["usual", "all", *_models(file)]
+
+
+def _studies(_file: str | None) -> Iterable[str]:
+    from harness.studies import STUDIES
+
+    return [entry.name for entry in STUDIES]
+
+
+NAMES: dict[str, Callable[[str | None], Iterable[str]]] = {
+    "cases": _cases, "case": _cases, "model": _models, "models": _models, "against": _models,
+    "references": _references, "only": _studies,
+}  # fmt: skip
+"""Arguments whose names a shell can complete: of a case file too, if it was typed before."""
 
 
 def standard(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

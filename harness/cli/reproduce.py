@@ -30,14 +30,14 @@ def reproduce(
     entries = job.chosen(None if only is None else split("only", only))
     parts, written = [], 0
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        bar.expect(len(entries))
-        for part in job.reproduce(entries, asked, bench):
-            files: dict[str, bytes] = {}
-            for stem, result in part.results.items():
-                files |= result_files(result, stem)
-            written += len(write_all(output, files))
-            parts.append(part)
-            bar.done(part.entry.title)
+        for k, entry in enumerate(entries, 1):
+            bar.part(f"{k} of {len(entries)}, {entry.title}")
+            for part in job.reproduce([entry], asked, bench):
+                files: dict[str, bytes] = {}
+                for stem, result in part.results.items():
+                    files |= result_files(result, stem)
+                written += len(write_all(output, files))
+                parts.append(part)
     results = {stem: result for part in parts for stem, result in part.results.items()}
     kept = finish(results, None, history)
     last = job.summaries(asked, parts)

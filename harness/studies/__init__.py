@@ -78,6 +78,6 @@ def find(name: str) -> Entry:
     for entry in STUDIES:
         if entry.name == name:
             return entry
-    from analytic import InputError
+    from analytic.errors import unknown
 
-    raise InputError("study", name, f"one of {', '.join(entry.name for entry in STUDIES)}")
+    raise unknown("study", name, [entry.name for entry in STUDIES])
