@@ -17,6 +17,7 @@ tilt_deg = -12
 """
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,18 +26,28 @@ import numpy as np
 from analytic import InputError, Limb, Material, Mechanism, Platform, Pose, Rod
 from analytic.errors import number, vector
 from harness.cases import PRESETS, Case
+from harness.paper import CASES, folder, names, read_paper, read_table
 from reference_models import parse
 
 Table = dict[str, Any]
 
 
 def load_cases(path: Path) -> dict[str, Case]:
-    """Return the cases of `path` by name; raises `InputError` naming the key that is wrong."""
+    """Return the cases of `path` by name; raises `InputError` naming the key that is wrong.
+
+    `path`: a file, the folder of a paper, or the name of one that is shipped.
+    """
+    of = folder(str(path))
+    if of is not None:
+        cases, paper = load_cases(of / CASES), read_paper(of)
+        printed = read_table(of, list(cases))
+        return {k: replace(one, paper=paper, printed=printed[k]) for k, one in cases.items()}
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError("case_file", str(path), f"a readable file ({reason})") from None
+        shipped = f", or a paper: {', '.join(names())}"
+        raise InputError("case_file", str(path), f"a readable file ({reason}){shipped}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError("case_file", str(path), f"a TOML file ({error})") from None
     _only(data, "the file", "mechanisms", "cases")

@@ -1,11 +1,12 @@
 """The named cases: a mechanism at a pose, and what of it was read, or fitted."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from analytic import Mechanism, Platform, Pose
 from analytic.errors import unknown
+from harness.paper import Paper, Printed
 from reference_models import Named
 
 
@@ -15,7 +16,8 @@ class Case:
 
     Attributes: `name`; `mechanism`; `pose`; `note`, where its numbers come from; `theory`, the
     model it is meant for; `published`, the case of the paper's Table I it stands for; `errata`,
-    the ids of the errata that explain its numbers; `title`, what a figure calls it.
+    the ids of the errata that explain its numbers; `title`, what a figure calls it. Of a published
+    table that is data: the `paper`, and what is `printed`.
     """
 
     name: str
@@ -26,6 +28,8 @@ class Case:
     published: str = ""
     errata: tuple[str, ...] = ()
     title: str = ""
+    paper: Paper | None = field(default=None, repr=False)
+    printed: tuple[Printed, ...] = field(default=(), repr=False)
 
     @property
     def heading(self) -> str:

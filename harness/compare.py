@@ -41,6 +41,9 @@ def cells(
 def case_notes(cases: Sequence[Case]) -> list[str]:
     """Return what was read or fitted in each case, and the errata that explain it."""
     notes = [f"{case.name}: {case.note}" for case in cases]
+    for paper in dict.fromkeys(case.paper for case in cases if case.paper is not None):
+        notes += [paper.citation, paper.note] if paper.note else [paper.citation]
+        notes += [f"{what} is printed, read as: {reading}" for _, what, reading in paper.errata]
     wanted = {key for case in cases for key in case.errata}
     return notes + [
         f"erratum {erratum.id} ({erratum.where}): {erratum.evidence}"

@@ -11,7 +11,7 @@ from click.core import ParameterSource
 
 FLAGS = {
     "cases": ("CASE,CASE", "Cases by name; default case1,case2, or all of --case-file."),
-    "case_file": ("FILE", "TOML file with mechanisms and cases of your own."),
+    "case_file": ("FILE", "TOML file with mechanisms and cases of your own, or a paper's folder."),
     "references": (
         "A,B",
         "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate; usual, or all.",

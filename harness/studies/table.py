@@ -25,6 +25,7 @@ from harness.compare import (
     span,
 )
 from harness.plan import Plan
+from harness.printed import against_paper, printed_table
 from harness.request import Request
 from harness.result import Result
 from harness.tables import Cell, Number, Table
@@ -67,6 +68,8 @@ class TableOne(Result):
         for theory in self.theories:
             ending = f"-{label(theory)}" if len(self.theories) > 1 else ""
             found[f"-references{ending}"] = self._references(theory)
+        if any(case.printed for case in self.study.cases):
+            found["-printed"] = printed_table(self.study, self.theories)
         if self.readings:
             found["-readings"] = readings_table(self.readings)
             found["-errata"] = errata_table()
@@ -153,6 +156,7 @@ class TableOne(Result):
         cases = self.study.complete(theory)
         printed = [case for case in cases if case.published]
         lines = against_print(self.study, theory, printed) if printed else []
+        lines += against_paper(self.study, theory)
         lines += causes(self.study, theory)
         lines += [line for model in self.references for line in _against_limit(self.study, model)]
         return lines + closest_readings(self.readings)

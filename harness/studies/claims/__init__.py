@@ -1,6 +1,7 @@
 """Every checkable statement of the paper, and its verdict.
 
-The statements are about the paper's own mechanism: no cases and no `case_file` can be given.
+The statements are about the paper's own mechanism, or those of the papers whose folder is the
+`case_file`.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,6 +18,7 @@ from harness.studies.claims import (  # noqa: F401  each adds its checks
     check_models,
     check_printed,
     check_workspace,
+    papers,
 )
 from harness.studies.claims.data import CHECKS, KINDS, RULES, Claim, Finding, claims, find, select
 from harness.studies.claims.facts import Facts
@@ -33,7 +35,7 @@ def _only(text: str) -> tuple[Claim, ...]:
     return tuple(select(split("only", text)))
 
 
-TAKES = ()
+TAKES = ("case_file",)
 OPTIONS = (Option("only", "ID,ID", "Check these claims; default all.", None, _only),)
 COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
 SHORT = ("id", "quoted", "measured", "kind")
@@ -140,8 +142,13 @@ def run(request: Request, bench: Bench) -> Claims:
     """Return the verdict on every statement, or on those asked for.
 
     Verdicts are results: only a claim that could not be checked makes the exit status 1. The
-    statements are about the paper's own mechanism, so that --cases and --case-file do not apply.
+    statements are about the paper's own mechanism; with the folder of another paper as --case-file,
+    they are those of its claims.toml.
     """
+    if not all(case.published for case in request.cases):
+        found_there, rows = papers.judged(request.cases, bench)
+        judged, why = papers.split(found_there)
+        return Claims(tuple(Checked(*one) for one in judged), why, tuple(rows))
     chosen = request.options["only"] or claims()
     facts, missing, solved = gather(needed(chosen), bench)
     found, unchecked = judge(chosen, facts, missing)

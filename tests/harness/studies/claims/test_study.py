@@ -13,7 +13,7 @@ from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.plan import Plan
 from harness.studies import claims as study
-from harness.studies.claims import Claims, judge, measure, needed
+from harness.studies.claims import Claims, judge, measure, needed, papers
 from harness.studies.claims.data import Claim, claims, select
 from harness.studies.claims.facts import CASES, PAPER, Facts
 from harness.studies.claims.measure import GROUPS, gather
@@ -101,7 +101,9 @@ def test_claims_are_about_the_paper_alone() -> None:
     plan = Plan((PRESETS["case1"],), PAPER, ())
     assert list(study.jobs(plan)) == ["claims"]
     assert study.jobs(replace(plan, case_file=True)) == {}
-    assert "case_file" not in study.TAKES and "--case-file do not apply" in str(study.run.__doc__)
+    mine = replace(PRESETS["case1"], name="mine", published="")
+    with pytest.raises(InputError, match=r"case_file = 'mine': expected the folder of a paper"):
+        papers.judged([mine], Bench())
 
 
 def test_what_is_solved_is_rows_of_the_history(bench: Bench) -> None:
