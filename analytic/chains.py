@@ -36,9 +36,9 @@ def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Coefficients
 class Chains:
     """n limbs of `elements` s.
 
-    Attributes: `rods` and what their elements have in `common`; limb `lengths` (n,) [m]; `frames` (n, 3, 3) from limb to global axes; `arms`
-    o to A_i (n, 3) [m]; `turns` e / e_k of the revolute joints (n, 3), see `turning`;
-    `platform_mass` M_p, Eq. (9).
+    Attributes: `rods` and what their elements have in `common`; limb `lengths` (n,) [m]; `frames`
+    (n, 3, 3) from limb to global axes; `arms` o to A_i (n, 3) [m]; `turns` e / e_k of the revolute
+    joints (n, 3), see `turning`; `platform_mass` M_p, Eq. (9).
     """
 
     elements: int

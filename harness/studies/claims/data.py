@@ -27,7 +27,6 @@ class Rules:
     rounding: float
     agrees_percent: float
     significant_percent: float
-    clearly_fewer: float
     exact: float
 
 

@@ -101,13 +101,29 @@ class Equations:
     thickness: float  # h [m]
 
 
+COST_STEPS = (1, 2, 3, 4, 8, 16, 32, 64)
+"""Numbers of elements at which formulations are compared."""
+
+
 @dataclass(frozen=True)
 class Spent:
-    """What a formulation takes for a pose: seconds by round, of the eigen-solution, operations."""
+    """What a way takes for a pose.
+
+    Attributes: `seconds` by round; `solves`, those of its eigen-solution, by call; `work` counted:
+    operations of a formulation, coordinates of finite elements.
+    """
 
     seconds: Floats
-    solve: float
-    flops: float
+    solves: Floats
+    work: float
+
+    def over(self, other: "Spent") -> tuple[Floats, Floats, float]:
+        """Return ratios to another: of seconds and of solves, call by call, and of work."""
+        parts = []
+        for own, its in ((self.seconds, other.seconds), (self.solves, other.solves)):
+            calls = min(len(own), len(its))
+            parts.append(own[-calls:] / its[-calls:])
+        return parts[0], parts[1], self.work / other.work
 
 
 @dataclass(frozen=True)
@@ -132,7 +148,7 @@ _NONE: Any = None
 class Facts:
     """All of it; a group that was not measured is None, and no check that reads it is asked.
 
-    `times` by formulation; `fea_times`: seconds of a pose by round, the paper's model first, the
+    `times` by formulation and elements; `fea_times` of a pose, the paper's model first, the
     stand-in for ANSYS next; solids take so much longer that they are timed once.
     """
 
@@ -142,6 +158,6 @@ class Facts:
     solid: Reference = _NONE
     slender: Slender = _NONE
     equations: Equations = _NONE
-    times: Mapping[str, Spent] = _NONE
-    fea_times: Mapping[str, Floats] = _NONE
+    times: Mapping[str, Mapping[int, Spent]] = _NONE
+    fea_times: Mapping[str, Spent] = _NONE
     maps: Maps = _NONE

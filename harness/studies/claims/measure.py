@@ -1,6 +1,7 @@
 """Measures the figures that the claims' verdicts rest on, with the bench and other studies."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, STAND_IN, solid_truth
 from harness.studies.claims.equations import equations
 from harness.studies.claims.facts import (
     CASES,
+    COST_STEPS,
     EXACT,
     PAPER,
     STEPS,
@@ -168,35 +170,46 @@ def _timed(case: Case, models: Sequence[Named], bench: Bench, solved: list[Row])
     timings = time_ways(bench, [Way(model) for model in models], [case], ROUNDS, MODES)
     for one in timings.timed:
         solved += timed_rows(one, [case], "claims")
-    _sound(f"{k}: {why}" for k, why in timings.failures.items())
+    reasons = timings.failures if len(timings.timed) == len(models) else timings.left_out
+    _sound(f"{k}: {why}" for k, why in (reasons | timings.failures).items())
     return list(timings.timed)
 
 
-def times(cases: Cases, bench: Bench, solved: list[Row]) -> dict[str, Spent]:
+def times(cases: Cases, bench: Bench, solved: list[Row]) -> dict[str, dict[int, Spent]]:
     """Return what one pose takes without and with multipliers, measured in turns and counted."""
-    case = cases[-1]
-    rivals = [Named("multipliers", PAPER_ELEMENTS, (("solver", solver),)) for solver in SOLVERS]
-    limbs = len(case.mechanism.limbs)
-    return {
-        name: Spent(one.seconds, one.solve or 0.0, counted(name, PAPER_ELEMENTS, limbs).flops)
-        for name, one in zip(
-            FORMULATIONS, _timed(case, [PAPER, *rivals], bench, solved), strict=True
-        )
+    case, limbs = cases[-1], len(cases[-1].mechanism.limbs)
+    kinds = {"paper": Named(PAPER.name, None)} | {
+        solver: Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS
     }
+    ways = {
+        (name, s): replace(kinds[name], elements=s) for s in COST_STEPS for name in FORMULATIONS
+    }
+    timed = _timed(case, list(ways.values()), bench, solved)
+    found: dict[str, dict[int, Spent]] = {name: {} for name in FORMULATIONS}
+    for (name, s), one in zip(ways, timed, strict=True):
+        found[name][s] = Spent(one.seconds, one.solves, counted(name, s, limbs).flops)
+    return found
 
 
-def fea_times(cases: Cases, bench: Bench, solved: list[Row]) -> dict[str, Floats]:
-    """Return times of one pose by the paper's way and by the stand-in, in turns, and by a solid."""
+def fea_times(cases: Cases, bench: Bench, solved: list[Row]) -> dict[str, Spent]:
+    """Return what one pose takes by the paper's way and by the stand-in, in turns, and by a solid.
+
+    `Spent.work` are coordinates: those of the paper's way are what it solves for.
+    """
     case, solid = cases[-1], solid_truth()
     models = [PAPER, parse(STAND_IN, "reference")]
     timed = _timed(case, models, bench, solved)
-    found = {model.label: one.seconds for model, one in zip(models, timed, strict=True)}
+    found = {
+        model.label: Spent(one.seconds, one.solves, float(one.dofs or 0))
+        for model, one in zip(models, timed, strict=True)
+    }
     if solid is not None:
         study = bench.run([case], [solid], MODES)
         solved += study.rows()
         modes = study.get(case, solid)
         if modes is not None:
-            found[solid.label] = np.array([modes.build_seconds + modes.solve_seconds])
+            whole, solve = np.array([modes.seconds]), np.array([modes.solve_seconds])
+            found[solid.label] = Spent(whole, solve, float(modes.dofs))
     return found
 
 

@@ -15,7 +15,7 @@ from harness.plan import Plan
 from harness.studies import claims as study
 from harness.studies.claims import Claims, judge, measure, needed, papers
 from harness.studies.claims.data import Claim, claims, select
-from harness.studies.claims.facts import CASES, PAPER, Facts
+from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts
 from harness.studies.claims.measure import GROUPS, gather
 from harness.studies.cost.work import counted
 from harness.text import request
@@ -128,13 +128,16 @@ def test_rows_are_what_verdicts_rest_on(bench: Bench, monkeypatch: pytest.Monkey
     scan = [r["frequency_hz"] for r in rows if r["case"] == "map" and r["tilt_rad"] == 0]
     np.testing.assert_array_equal(np.reshape(scan, (-1, 6)), facts.beams.scan["case1"])
     timed = [r for r in rows if '"timed": "claims"' in r["settings"]]
+    rivals = ("multipliers@{}[solver=null-space]", "multipliers@{}[solver=saddle-point]")
     assert {r["model"] for r in timed} == {
-        PAPER.label, "multipliers@3[solver=null-space]", "multipliers@3[solver=saddle-point]",
-    }  # fmt: skip
+        name.format(s) for s in COST_STEPS for name in ("euler-bernoulli@{}", *rivals)
+    }
     assert all(r["solve_s"] > 0 for r in timed)
-    assert all((one.seconds > 0).all() and one.solve > 0 for one in facts.times.values())
-    flops = [one.flops for one in facts.times.values()]
-    assert flops == [counted(name, 3, 3).flops for name in ("paper", "null-space", "saddle-point")]
+    for name in ("paper", "null-space", "saddle-point"):
+        assert list(facts.times[name]) == list(COST_STEPS)
+        for s, one in facts.times[name].items():
+            assert (one.seconds > 0).all() and (one.solves > 0).all()
+            assert one.work == counted(name, s, 3).flops
 
 
 def test_what_was_not_measured_leaves_its_claims_unchecked(

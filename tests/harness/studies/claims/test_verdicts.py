@@ -12,8 +12,18 @@ from analytic import Material, Mechanism, Platform, Rod
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.studies.claims import judge
-from harness.studies.claims.data import CANNOT, CHECKS, FAILS, HOLDS, RULES, Claim, Finding, claims
-from harness.studies.claims.facts import CASES, PAPER, Facts, Reference
+from harness.studies.claims.data import (
+    CANNOT,
+    CHECKS,
+    FAILS,
+    HOLDS,
+    ONLY_IF,
+    RULES,
+    Claim,
+    Finding,
+    claims,
+)
+from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts, Reference, Spent
 from harness.studies.claims.measure import beams, gather
 
 BY_ID = {claim.id: claim for claim in claims()}
@@ -89,46 +99,86 @@ def test_causes_add_up_to_the_error(facts: Facts) -> None:
     assert "mostly number of elements" in found.verdict
 
 
-@pytest.mark.parametrize("ratio", [0.5, 0.93, 1.19, 3.0])
-def test_no_machine_moves_the_verdict_on_multipliers(facts: Facts, ratio: float) -> None:
-    """Seconds are quoted, whatever they are: counted operations decide, in the same words."""
-    busy = 0.005 * np.array([0.5, 1.0, 9.0])
-    spent = {k: replace(v, seconds=busy / ratio, solve=1.0) for k, v in facts.times.items()}
-    spent["paper"] = replace(spent["paper"], seconds=busy)
-    found = finding(replace(facts, times=spent), "faster-without-multipliers")
-    assert f"({ratio:.2f} times its seconds, 1.00 times those of its" in found.measured
-    assert found.verdict == (
-        "holds only if the rival keeps its multipliers as unknowns: against one that solves "
-        "its constraints by their null space it does not take clearly fewer operations (0.5 times "
-        "or less)"
-    )
+def formulations(
+    facts: Facts, work: dict[str, float], solves: dict[str, float] | None = None, at: int = 0
+) -> Facts:
+    """Rivals with so many times the paper's operations and solve time, at s = `at` or at all."""
+    changed = {name: dict(own) for name, own in facts.times.items()}
+    for name, factor in work.items():
+        for s in [at] if at else COST_STEPS:
+            own = facts.times["paper"][s]
+            time = own.solves * (solves or {}).get(name, 1.5)
+            changed[name][s] = Spent(own.seconds, time, factor * own.work)
+    return replace(facts, times=changed)
+
+
+BOTH = ("null-space", "saddle-point")
 
 
 def test_counted_operations_turn_the_verdict_on_multipliers(facts: Facts) -> None:
-    own = facts.times["paper"].flops
-    kinds = {}
-    for factor in (0.9, 1.9, 2.1):
-        spent = {k: replace(v, flops=factor * own) for k, v in facts.times.items()}
-        spent["paper"] = facts.times["paper"]
-        kinds[factor] = finding(replace(facts, times=spent), "faster-without-multipliers").kind
-    assert kinds == {0.9: FAILS, 1.9: FAILS, 2.1: HOLDS}
+    """Sign decides, at every number of elements: one per cent is enough, equality is not."""
+    verdicts = {
+        factor: finding(
+            formulations(facts, dict.fromkeys(BOTH, factor), dict.fromkeys(BOTH, solves)),
+            "faster-without-multipliers",
+        ).kind
+        for factor, solves in ((1.01, 1.5), (1.0, 1.5), (0.99, 0.9))
+    }
+    assert verdicts == {1.01: HOLDS, 1.0: ONLY_IF, 0.99: FAILS}
+    one = formulations(facts, {"null-space": 0.9}, at=64)
+    assert finding(one, "faster-without-multipliers").verdict == (
+        "holds only if the rival that solves its constraints by their null space has "
+        "s = 1, 2, 3, 4, 8, 16, 32"
+    )
+
+
+def test_the_time_of_eigen_solutions_turns_the_verdict_on_multipliers(facts: Facts) -> None:
+    """Where it says the opposite of the operations; within its scatter it says nothing."""
+    more = dict.fromkeys(BOTH, 1.2)
+    for solves, kind in ((1.5, HOLDS), (1.0, HOLDS), (0.5, ONLY_IF)):
+        here = formulations(facts, more, {"null-space": solves}, at=2)
+        assert finding(here, "faster-without-multipliers").kind == kind
+
+
+def test_no_interpreter_moves_the_verdict_on_multipliers(facts: Facts) -> None:
+    """All seconds but those of the eigen-solutions may be anything."""
+    for factor in (0.1, 10.0):
+        slow = {
+            s: replace(one, seconds=factor * one.seconds) for s, one in facts.times["paper"].items()
+        }
+        here = replace(facts, times={**facts.times, "paper": slow})
+        assert finding(here, "faster-without-multipliers") == finding(
+            facts, "faster-without-multipliers"
+        )
 
 
 def test_no_chance_agreement_of_seconds_is_a_verdict(facts: Facts) -> None:
     """Not even the printed times themselves, of a machine and finite elements that nobody knows."""
+    own = Spent(np.full(3, 0.82), np.full(3, 0.5), 54)
     for fea, times in ((6.16, "8"), (5.0, "6"), (82.0, "100")):
-        planted = {PAPER.label: np.full(3, 0.82), "planted": np.full(3, fea)}
+        planted = {PAPER.label: own, "planted": Spent(np.full(3, fea), np.full(3, 1.0), 444)}
         here = replace(facts, fea_times=planted)
         assert finding(here, "time-theoretical").kind == finding(here, "time-fea").kind == CANNOT
         assert finding(here, "time-saved").verdict == (
             "holds only if the finite elements take 7.5 times as long as the theory: planted takes "
             f"about {times} times"
         )
-    quicker = {PAPER.label: np.full(3, 0.82), "planted": np.full(3, 0.8)}
-    slower = replace(facts, fea_times=quicker)
+
+
+@pytest.mark.parametrize("rival", [(0.8, 0.9, 444), (0.9, 0.8, 444), (0.9, 0.9, 54)])
+def test_finite_elements_that_take_less_turn_the_verdicts_on_times(
+    facts: Facts, rival: tuple[float, float, int]
+) -> None:
+    """In seconds, in those of the eigen-solution, or in coordinates: one is enough."""
+    whole, solve, coordinates = rival
+    planted = {
+        PAPER.label: Spent(np.full(3, 0.82), np.full(3, 0.82), 54),
+        "planted": Spent(np.full(3, whole), np.full(3, solve), coordinates),
+    }
     for name in ("time-theoretical", "time-fea", "time-saved"):
-        assert finding(slower, name).verdict == (
-            "fails: no finite elements here take longer than the theory"
+        assert finding(replace(facts, fea_times=planted), name).verdict == (
+            "fails: no finite elements here take more than the theory in seconds, in those of the "
+            "eigen-solution and in coordinates at once"
         )
 
 
