@@ -26,6 +26,7 @@ OTHERS = {
     "check": ("check:check", "Check what moved since the accepted figures, and what must hold."),
     "history": ("history:history", "List, filter, query and export the runs so far."),
     "dashboard": ("dashboard:dashboard", "Make the page anew from the last run and the history."),
+    "new": ("new:new", "Write a commented template: case, mechanism, model, study or paper."),
     "export": ("export:export", "Write a case as input files for a simulator of your own."),
     "verify": ("verify:verify", "Tell a model's author what of it fails, and how."),
     "models": ("lists:models", "List every model: its theory, version, and whether it can run."),
