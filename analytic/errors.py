@@ -13,6 +13,7 @@ class InputError(ValueError):
 
     def __init__(self, argument: str, value: object, expected: str) -> None:
         super().__init__(f"{argument} = {_shown(value)}: expected {expected}")
+        self.expected = expected
 
     def __reduce__(self) -> Any:
         """Return how another process makes this error: by its sentence."""

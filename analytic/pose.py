@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import LARGEST, Mechanism
+from analytic.mechanism import LARGEST, SLENDEREST, Mechanism
 
 CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
+
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,8 @@ def closure(
 def closed(mechanism: Mechanism, pose: Pose) -> Closure:
     """Return `mechanism` closed at `pose`: Eqs. (1) and (2).
 
-    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
+    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i, and for a
+    limb more slender than is answered.
     """
     found = _closure(mechanism, pose)
     off_plane, squares = np.abs(found.off_plane), (found.vectors * found.vectors).sum(axis=-1)
@@ -132,6 +134,11 @@ def closed(mechanism: Mechanism, pose: Pose) -> Closure:
     if gone.any():
         expected = "limbs of some length, not that of A_{} of {:.1e} m"
         raise _refused(pose, gone, np.sqrt(squares), expected)
+    thin = squares > mechanism.longest**2
+    if thin.any():
+        expected = f"limbs of at most {SLENDEREST:g} diameters, not A_{{}}'s of {{:.1e}}"
+        slender = SLENDEREST * np.sqrt(squares) / mechanism.longest
+        raise _refused(pose, thin, slender, expected)
     return found
 
 

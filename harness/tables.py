@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from harness.plain import plain
+
 if TYPE_CHECKING:
     import pandas as pd
     import rich.table
@@ -77,7 +79,7 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def _text(self) -> list[list[str]]:
-        return [[_plain(str(cell)) for cell in row] for row in self.rows]
+        return [[plain(str(cell)) for cell in row] for row in self.rows]
 
     def _numeric(self) -> list[bool]:
         """Return which columns hold numbers; these are set flush right and never broken."""
@@ -106,7 +108,7 @@ class Table:
         Columns of text with a cell longer than `LONGEST` are paragraphs that share the line, and
         what is wider than the line all the same is made smaller. The notes are comments above it.
         """
-        comments = "".join(f"% {_plain(line)}\n" for line in (NEEDS, *self.notes))
+        comments = "".join(f"% {plain(line)}\n" for line in (NEEDS, *self.notes))
         numeric = self._numeric()
         long = [
             not numeric[k] and any(len(str(row[k])) > LONGEST for row in self.rows)
@@ -122,7 +124,7 @@ class Table:
         )
         return FLOAT % {
             "comments": comments,
-            "caption": _for_latex(_plain(self.title)),
+            "caption": _for_latex(plain(self.title)),
             "label": label,
             "columns": columns,
             "head": head,
@@ -160,9 +162,9 @@ class Table:
         from rich.text import Text
 
         blocks = [self._block(block) for block in self._blocks(width)]
-        title = Text(_plain(self.title), style="bold")
+        title = Text(plain(self.title), style="bold")
         return Group(
-            title, *blocks, *(Text(f"  {_plain(note)}", style="dim") for note in self.notes)
+            title, *blocks, *(Text(f"  {plain(note)}", style="dim") for note in self.notes)
         )
 
     def width(self) -> int:
@@ -238,11 +240,6 @@ def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
     }
 
 
-def _plain(text: str) -> str:
-    """Return `text` without what would steer a terminal or break a line."""
-    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
-
-
 def _for_latex(text: str) -> str:
     """Return `text` for LaTeX: two hyphens are no dash, and one before a digit is a minus."""
     return re.sub("^-(?=[0-9])", "$-$", text.translate(LATEX).replace("--", "-{}-"))
@@ -251,5 +248,5 @@ def _for_latex(text: str) -> str:
 def _harmless(cell: str | int) -> str | int:
     """Return a cell that no spreadsheet takes for a formula."""
     if isinstance(cell, str):
-        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else _plain(cell)
+        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else plain(cell)
     return cell

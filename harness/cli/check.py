@@ -13,6 +13,7 @@ from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
 from harness.cli.reproduce import LATEST
 from harness.cli.terminal import Bar, show_tables
+from harness.plain import plain
 
 if TYPE_CHECKING:
     from harness.bench import Bench
@@ -125,7 +126,7 @@ def accept(
             new, refused = None, flags.dashed(str(error))
     if new is None:
         _display(report)
-        click.echo(f"rps-bench: {refused}", err=True)
+        click.echo(f"rps-bench: {plain(refused)}", err=True)
         return 1
     save(folder, new)
     if shown:
@@ -201,7 +202,7 @@ def _display(report: "Report") -> None:
     show_tables(*(tables[ending] for ending in ("", "-findings") if ending in tables))
     outcome, *notes = report.sentences()
     for line in (*notes, outcome):
-        click.echo(line)
+        click.echo(plain(line))
 
 
 def _compare(text: str, models: str | None, output: Path | None, limit: float) -> int:

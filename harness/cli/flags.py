@@ -126,7 +126,7 @@ def time_limit() -> Callable[..., Any]:
 
 def dashed(sentence: str) -> str:
     """Return an error's sentence with the argument that it names as it is typed."""
-    name = re.match(r"\w+", sentence)
+    name = re.match(r"\w+(?![\w.])", sentence)
     if name and name[0] in _known:
         return flag(name[0]) + sentence[name.end() :]
     return sentence

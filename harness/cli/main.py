@@ -10,6 +10,7 @@ from importlib import import_module
 import click
 
 from harness.cli.flags import dashed
+from harness.plain import plain
 from harness.studies import STUDIES
 from harness.threads import one_thread
 
@@ -110,7 +111,7 @@ def main() -> None:
 
 
 def _say(sentence: str) -> None:
-    click.echo(f"rps-bench: {sentence}", err=True)
+    click.echo(f"rps-bench: {plain(sentence)}", err=True)
 
 
 def _is_sentence(error: Exception) -> bool:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from harness.cli.flags import as_typed
+from harness.plain import plain
 
 if TYPE_CHECKING:
     from harness.result import Result
@@ -57,11 +58,11 @@ class Bar:
 
     def begin(self, what: str) -> None:
         """Take in that a step begins."""
-        self._bar.update(self._task, description=self._part + what)
+        self._bar.update(self._task, description=plain(self._part + what))
 
     def done(self, what: str, steps: int = 1) -> None:
         """Take in that a step is finished, or several."""
-        self._bar.update(self._task, advance=steps, description=self._part + what)
+        self._bar.update(self._task, advance=steps, description=plain(self._part + what))
 
     def __enter__(self) -> Self:
         self._bar.start()
@@ -82,9 +83,9 @@ class Written:
     def say(self) -> int:
         """Name files and failures; return the exit status. Raises why the history is not kept."""
         for path in self.paths:
-            click.echo(f"wrote {path}")
+            click.echo(f"wrote {plain(str(path))}")
         for what, why in self.failures.items():
-            click.echo(f"rps-bench: {what} failed: {why}", err=True)
+            click.echo(f"rps-bench: {plain(f'{what} failed: {why}')}", err=True)
         if self.unwritten is not None:
             raise self.unwritten
         return 1 if self.failures else 0
@@ -136,7 +137,7 @@ def show(results: Mapping[str, "Result"]) -> None:
     for result in results.values():
         show_tables(*result.tables().values())
         for line in result.sentences():
-            click.echo(f"- {line}")
+            click.echo(f"- {plain(line)}")
 
 
 def show_tables(*tables: "Table") -> None:
