@@ -21,19 +21,21 @@ platform_radius_mm = 200
 platform_thickness_mm = 20
 """
 BODY = "platform_mass_kg = 1\nplatform_inertia_kg_m2 = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\n"
-ONE = "[[mechanisms.m.limb]]\nbase_mm = [0, 0, 0]\naxis = [0, 1, 0]\nplatform_point_mm = [0, 0, 0]\n"
+ONE = (
+    "[[mechanisms.m.limb]]\nbase_mm = [0, 0, 0]\naxis = [0, 1, 0]\nplatform_point_mm = [0, 0, 0]\n"
+)
 GIVEN = f"[mechanisms.m]{RODS}{BODY}"
 CASE = '[cases.a]\nmechanism = "m"\nz_mm = 400\n'
 LONG = 400 * "9"
 
-# What is written, and the sentence: the key and value of the file, and what was expected, in its units.
+# What is written, and the sentence: key and value of the file, and what was expected, in its units.
 REFUSED = {
     "a list for a name": ('[cases.a]\nmechanism = ["paper"]\nz_mm = 490',
                           r"cases\.a\.mechanism = \['paper'\]: expected one of paper, "),
     "a list for a form": (REGULAR + 'inertia = ["disc"]\n' + CASE,
                           r"mechanisms\.m\.inertia = \['disc'\]: expected one of disc, printed"),
     "a number for limbs": (f"{GIVEN}limb = 3\n{CASE}",
-                           r"mechanisms\.m\.limb = 3: expected tables called \[\[mechanisms\.m\.limb"),
+                           r"mechanisms\.m\.limb = 3: expected tables called \[\[mechanisms\.m"),
     "no limbs": (f"{GIVEN}limb = []\n{CASE}", r"mechanisms\.m\.limb = \[\]: expected tables"),
     "400 digits": (f"[cases.a]\nz_mm = {LONG}", r"cases\.a\.z_mm = a whole number of 1329 bits: "),
     "400 digits, limbs": (f"{REGULAR}limbs = {LONG}\n{CASE}",
@@ -41,7 +43,7 @@ REFUSED = {
     "5000 digits": (f"[cases.a]\nz_mm = 4\ntilt_deg = {5000 * '9'}",
                     "at most 4300 digits in tilt_deg of line 3"),
     "brackets": (f"[cases.a]\nz_mm = {2000 * '['}{2000 * ']'}", "fewer brackets in z_mm of line 2"),
-    "10^30 limbs": (f"{REGULAR}limbs = {10**30}\n{CASE}", r"mechanisms\.m\.limbs = 10{30}: expected"),
+    "10^30 limbs": (f"{REGULAR}limbs = {10**30}\n{CASE}", r"mechanisms\.m\.limbs = 10{30}: "),
     "pascals": (REGULAR.replace("= 200\n", "= 200e9\n", 1) + CASE,
                 r"shear_GPa = 77\.0: expected more than a third of young_GPa = 2e\+11"),
     "no stiffness": (REGULAR.replace("young_GPa = 200", "young_GPa = 1e-300") + CASE,
@@ -56,8 +58,8 @@ REFUSED = {
                 r"mechanisms\.m\.limb\.axis = \[0, 0, 0\]: expected a direction"),
     "an axis left out": (GIVEN + ONE.replace("axis = [0, 1, 0]", "") + CASE,
                          r"mechanisms\.m\.limb\.axis = None: expected a direction"),
-    "too far": ("[cases.a]\nz_mm = 1e300", r"cases\.a\.z_mm = 1e\+300: expected at most 1e\+12 mill"),
-    "text": ('[cases.a]\nz_mm = "490"', r"cases\.a\.z_mm = '490': expected a finite number of mill"),
+    "too far": ("[cases.a]\nz_mm = 1e300", r"cases\.a\.z_mm = 1e\+300: expected at most 1e\+12 m"),
+    "text": ('[cases.a]\nz_mm = "490"', r"cases\.a\.z_mm = '490': expected a finite number of m"),
 }  # fmt: skip
 
 
@@ -120,7 +122,8 @@ def test_names_never_become_paths(rps_bench: Callable[..., Any], tmp_path: Path)
     path = written(tmp_path, '[cases."a/../../../escaped"]\nz_mm = 490\n')
     out = tmp_path / "deep" / "out"
     answer = rps_bench("shapes", "--case-file", str(path), "--modes", "1",
-                       "--references", "timoshenko@exact[shear=6/7]", "--output", str(out))  # fmt: skip
+                       "--references", "timoshenko@exact[shear=6/7]",
+                       "--output", str(out))  # fmt: skip
     assert answer.status == 0, answer.err
     files = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert {p.parent for p in files} == {out, tmp_path}
@@ -131,7 +134,7 @@ def test_the_case_of_the_documents_is_answered(tmp_path: Path) -> None:
     """A cantilever with a mass at its tip: beta^2 = 1.557298 clamped, 10.714402 pinned."""
     rods = RODS.replace("7820", "7800").replace("= 60", "= 20")
     mass = 7800 * np.pi * 0.02**2 / 4
-    body = f"platform_mass_kg = {mass!r}\nplatform_inertia_kg_m2 = [[1e-4,0,0],[0,1e-4,0],[0,0,1e-4]]\n"
+    body = f"platform_mass_kg = {mass!r}\n{BODY.splitlines()[1].replace('1', '1e-4')}\n"
     text = f"[mechanisms.m]{rods}{body}{ONE}{CASE.replace('400', '1000')}"
     (case,) = load_cases(written(tmp_path, text)).values()
     found = Continuum().modes(case.mechanism, case.pose).frequencies
