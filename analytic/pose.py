@@ -14,7 +14,6 @@ CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
 
 
-
 @dataclass(frozen=True)
 class Pose:
     """Height `z` of o [m], `azimuth` phi and `tilt` theta of Eq. (1) [rad].
