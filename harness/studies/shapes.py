@@ -1,8 +1,8 @@
 """Mode shapes, as in Figs. 4-5: limbs as tubes, the platform as a disc, beside a reference."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +11,16 @@ from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.cases import Case
-from harness.compare import failure_notes
+from harness.compare import Match, at, failure_notes, match
 from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
 from harness.figures import COLOURS
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Table
 from reference_models import Named
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -38,50 +37,33 @@ class Shapes(Result):
     references: tuple[Named, ...]
     shown: tuple[int, ...]
 
-    @property
-    def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return (self.study,)
+    def _pairs(self) -> Iterator[tuple[Case, Named, Match]]:
+        for case in self.study.cases:
+            for reference in self.references:
+                found = match(self.study, case, self.theory, reference)
+                if found is not None:
+                    yield case, reference, found
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, reference and pair of modes: the assurance of the two."""
-        import pandas as pd
-
-        return pd.DataFrame([
-            {
-                "case": case.name,
-                "theory": self.theory.label,
-                "reference": reference.label,
-                "mode": i,
-                "reference_mode": j + 1,
-                "assurance": float(value),
-                "partner": j == pairing.partner[i - 1],
-            }
-            for case in self.study.cases
-            for reference in self.references
-            if (pairing := self.study.pairing(case, self.theory, reference)) is not None
-            for i in self.shown
-            for j, value in enumerate(pairing.matrix[i - 1])
-        ])  # fmt: skip
+        for case, reference, found in self._pairs():
+            for i in self.shown:
+                for j, value in enumerate(found.pairing.matrix[i - 1].tolist()):
+                    yield {
+                        "case": case.name, "theory": self.theory.label,
+                        "reference": reference.label, "mode": i, "reference_mode": j + 1,
+                        "assurance": value, "partner": j == found.pairing.partner[i - 1],
+                    }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return each mode's partner in every reference, and how alike the two are."""
-        rows: list[tuple[Cell, ...]] = []
-        for case in self.study.cases:
-            for reference in self.references:
-                ours, theirs = self.study.get(case, self.theory), self.study.get(case, reference)
-                pairing = self.study.pairing(case, self.theory, reference)
-                if ours is None or theirs is None or pairing is None:
-                    continue
-                for i in self.shown:
-                    j = int(pairing.partner[i - 1])
-                    rows.append((
-                        case.name, reference.label, f"f{i}",
-                        Number(float(ours.frequencies[i - 1])), f"f{j + 1}",
-                        Number(float(theirs.frequencies[j])),
-                        Number(float(pairing.assurance[i - 1]), 4),
-                        "looks like no mode of the reference" if pairing.doubtful[i - 1] else "",
-                    ))  # fmt: skip
+        rows = tuple(
+            (case.name, reference.label, f"f{i}", Number(float(found.ours[i - 1])),
+             f"f{found.pairing.partner[i - 1] + 1}", Number(float(found.against[i - 1])),
+             Number(float(found.pairing.assurance[i - 1]), 4),
+             "looks like no mode of the reference" if found.pairing.doubtful[i - 1] else "")
+            for case, reference, found in self._pairs() for i in self.shown
+        )  # fmt: skip
         columns = ("Case", "Reference", "Mode", "f [Hz]", "Partner", "its f [Hz]", "Assurance",
                    "Remark")  # fmt: skip
         notes = (
@@ -91,34 +73,28 @@ class Shapes(Result):
             *failure_notes(self.study),
         )
         title = f"Mode shapes of {self.theory.label} and their partners"
-        return {"": Table(title, columns, tuple(rows), notes)}
+        return {"": Table(title, columns, rows, notes)}
 
     def figures(self) -> "dict[str, Figure]":
         """Return the modes of every case, and the assurance of every mode against every one."""
-        models = (self.theory, *self.references)
-        found = {
-            f"-{case.name}": shapes_figure(self.study, case, models, self.shown)
-            for case in self.study.cases
-        }
-        for case in self.study.cases:
-            for reference in self.references:
-                matrix = assurance_figure(self.study, case, self.theory, reference, self.shown)
-                if matrix is not None:
-                    found[f"-assurance-{case.name}-{reference.label}"] = matrix
-        return found
+        drawn = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
+        return drawn | {
+            f"-assurance-{case.name}-{reference.label}":
+            assurance_figure(self, f"{case.name}: assurance (mass-weighted)", reference, found)
+            for case, reference, found in self._pairs()
+        }  # fmt: skip
 
     def sentences(self) -> list[str]:
         """Return the smallest assurance of a mode with its partner, reference by reference."""
-        lines, pick = [], [i - 1 for i in self.shown]
-        for reference in self.references:
-            pairings = [self.study.pairing(c, self.theory, reference) for c in self.study.cases]
-            least = [float(p.assurance[pick].min()) for p in pairings if p is not None]
-            if least:
-                lines.append(
-                    f"Every mode of {self.theory.label} has its partner in {reference.label} with "
-                    f"an assurance of at least {min(least):.4f}."
-                )
-        return lines
+        least: dict[Named, float] = {}
+        for _, reference, found in self._pairs():
+            own = float(at(found.pairing.assurance, self.shown).min())
+            least[reference] = min(least.get(reference, 1.0), own)
+        return [
+            f"Every mode of {self.theory.label} has its partner in {reference.label} with an "
+            f"assurance of at least {least[reference]:.4f}."
+            for reference in self.references if reference in least
+        ]  # fmt: skip
 
 
 def run(request: Request, bench: Bench) -> Shapes:
@@ -167,17 +143,18 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
     return Turned(theirs.frequencies[place], platform, limbs)
 
 
-def shapes_figure(
-    study: Study, case: Case, models: Sequence[Named], shown: Sequence[int]
-) -> "Figure":
+def shapes_figure(result: Shapes, case: Case) -> "Figure":
     """Return one row of pictures a model, one column a mode, all of one size and view."""
     from matplotlib.figure import Figure
 
+    models, shown = (result.theory, *result.references), result.shown
     there = drawn(case.mechanism, case.pose)
     figure = Figure(figsize=(2.1 * len(shown) + 0.3, 2.2 * len(models) + 0.7), layout="constrained")
-    panels = figure.subplots(len(models), len(shown), squeeze=False, sharex=True, sharey=True)
-    for row, (model, strip) in enumerate(zip(models, panels, strict=True)):
-        modes = study.get(case, model) if row == 0 else aligned(study, case, models[0], model)
+    grid = figure.subplots(len(models), len(shown), squeeze=False, sharex=True, sharey=True)
+    for k, (model, strip) in enumerate(zip(models, grid, strict=True)):
+        modes: Modes | Turned | None = result.study.get(case, model)
+        if k:
+            modes = aligned(result.study, case, result.theory, model)
         for i, axes in zip(shown, strip, strict=True):
             axes.set(aspect="equal", xticks=[], yticks=[])
             axes.spines[:].set_visible(False)
@@ -219,19 +196,13 @@ def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None
     axes.autoscale_view()
 
 
-def assurance_figure(
-    study: Study, case: Case, theory: Named, reference: Named, shown: Sequence[int]
-) -> "Figure | None":
-    """Return the assurance criterion of every mode against every one, or None where one failed."""
+def assurance_figure(result: Shapes, title: str, reference: Named, found: Match) -> "Figure":
+    """Return the assurance criterion of every mode against every one."""
     from matplotlib.figure import Figure
 
-    pairing = study.pairing(case, theory, reference)
-    if pairing is None:
-        return None
-    matrix = pairing.matrix[[i - 1 for i in shown]]
-    figure = Figure(
-        figsize=(1 + 0.55 * matrix.shape[1], 1.2 + 0.5 * len(shown)), layout="constrained"
-    )
+    matrix, shown = found.pairing.matrix[[i - 1 for i in result.shown]], result.shown
+    size = (1 + 0.55 * matrix.shape[1], 1.2 + 0.5 * len(shown))
+    figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots()
     image = axes.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
     for (i, j), value in np.ndenumerate(matrix):
@@ -239,7 +210,7 @@ def assurance_figure(
                   color="white" if value > 0.6 else "0.3")  # fmt: skip
     axes.set_xticks(range(matrix.shape[1]), [f"{j + 1}" for j in range(matrix.shape[1])])
     axes.set_yticks(range(len(shown)), [f"{i}" for i in shown])
-    axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {theory.label}")
-    axes.set_title(f"{case.name}: assurance (mass-weighted)", fontsize=10)
+    axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {result.theory.label}")
+    axes.set_title(title, fontsize=10)
     figure.colorbar(image, shrink=0.8)
     return figure
