@@ -30,19 +30,24 @@ def relative_error(theory: Array, reference: Array) -> Array:
 class Match:
     """The modes of a theory beside their partners, by shape, in a reference.
 
-    Attributes: `ours` and `against` [Hz]; `own`, the reference's uncertainty [%], NaN where it
-    states none; each of shape (count,); `pairing` of the two.
+    Attributes: `ours`, `against` and its `uncertainty` [Hz], NaN where it states none, each of
+    shape (count,); `pairing` of the two.
     """
 
     ours: Array
     against: Array
-    own: Array
+    uncertainty: Array
     pairing: Pairing
 
     @property
     def error(self) -> Array:
         """The theory's error [%], (count,)."""
         return relative_error(self.ours, self.against)
+
+    @property
+    def own(self) -> Array:
+        """The reference's uncertainty [%], (count,)."""
+        return relative_error(self.against + self.uncertainty, self.against)
 
     @property
     def odd(self) -> NDArray[np.bool_]:
@@ -56,10 +61,10 @@ def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | 
     if pairing is None:
         return None
     ours, modes = (study.answers[case, model] for model in (theory, reference))
-    f, own = modes.frequencies[pairing.partner], np.full(study.count, np.nan)
-    if modes.uncertainty is not None:
-        own = relative_error(f + modes.uncertainty[pairing.partner], f)
-    return Match(ours.frequencies[: study.count], f, own, pairing)
+    f, own = modes.frequencies, modes.uncertainty
+    own = np.full(len(f), np.nan) if own is None else own
+    place = pairing.partner
+    return Match(ours.frequencies[: study.count], f[place], own[place], pairing)
 
 
 def errors(study: Study, theory: Model, reference: Model) -> Array:

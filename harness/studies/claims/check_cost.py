@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.studies.claims.data import Args, Outcome, outcome, reads
+from harness.studies.claims.data import Args, Outcome, outcome
 from harness.studies.claims.facts import PAPER, Facts, Floats, Spent
 
 RIVALS = {
@@ -37,7 +37,6 @@ def _ratios(times: Mapping[str, Spent]) -> tuple[dict[str, float], str]:
     return ratios, "otherwise" if saving else "slower"
 
 
-@reads("fea_times")
 def seconds(facts: Facts, args: Args) -> Outcome:
     """Does a pose take the printed time? No agreement of two machines would be more than chance."""
     times, quantity = facts.fea_times, args["quantity"]
@@ -50,7 +49,6 @@ def seconds(facts: Facts, args: Args) -> Outcome:
     return outcome(False, _ratios(times)[1], middle=middle, solve=solve, **said)
 
 
-@reads("fea_times")
 def saved(facts: Facts, args: Args) -> Outcome:
     """Against which finite elements is as much saved? The printed ones are not known."""
     times = facts.fea_times
@@ -72,7 +70,6 @@ def saved(facts: Facts, args: Args) -> Outcome:
     )
 
 
-@reads("times")
 def faster(facts: Facts, args: Args) -> Outcome:
     """Does the model take less than both ways with multipliers, at every number of elements?"""
     words, bounds, where, against = [], [], [], 0

@@ -1,31 +1,33 @@
 """Claims of papers that are data: a printed row against our model, or against another row."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from analytic import InputError
-from harness.bench import Bench, label
+from harness.bench import Bench, Study, label
 from harness.cases import Case
 from harness.paper import Paper, Printed, Statement
 from harness.studies.claims.data import FAILS, HOLDS, Claim, Finding
 from reference_models import Named, parse
 
-Found = tuple[Claim, Finding | str]
-"""A claim, and what was found or why it could not be checked."""
+Said = tuple[str, str, str]
+"""What was measured, how surely, and the verdict."""
+Judged = tuple[tuple[Finding, ...], dict[str, str], tuple[dict[str, Any], ...]]
 
 
-def judged(cases: Sequence[Case], bench: Bench) -> tuple[list[Found], list[dict[str, Any]]]:
-    """Return what is found on every claim of the papers of `cases`, and the rows solved for it.
+def judged(cases: Sequence[Case], bench: Bench) -> Judged:
+    """Return what is found on every claim of the papers of `cases`.
 
-    Raises `InputError` for a claim of a case or method that is not there, or no claims at all.
+    And by id why one could not be checked, and the rows solved. Raises `InputError` for a claim of
+    a case or method that is not there, or no claims at all.
     """
     papers = dict.fromkeys(case.paper for case in cases if case.paper is not None)
     if not any(paper.claims for paper in papers):
         names = ", ".join(case.name for case in cases)
         raise InputError("case_file", names, "the folder of a paper with claims.toml")
     by_name = {case.name: case for case in cases}
-    found: list[Found] = []
-    rows: list[dict[str, Any]] = []
+    found: list[Finding] = []
+    unchecked, rows = {}, list[dict[str, Any]]()
     for paper in papers:
         for one in paper.claims:
             args = dict(one.args)
@@ -35,12 +37,16 @@ def judged(cases: Sequence[Case], bench: Bench) -> tuple[list[Found], list[dict[
             case = by_name[args["case"]]
             if one.check == "printed":
                 model = parse(args["model"], "model") if "model" in args else case.theory
-                finding, solved = _against_model(one, case, model, bench)
-                rows += solved
+                study = _solved(one, case, model, bench)
+                rows += study.rows()
+                if study.failures:
+                    unchecked[one.id] = study.failures[case, model]
+                    continue
+                said = _against_model(one, case, model, study)
             else:
-                finding = _against_row(one, case)
-            found.append((_claim(one, paper, args), finding))
-    return found, rows
+                said = _against_row(one, case)
+            found.append(Finding(_claim(one, paper, args), *said))
+    return tuple(found), unchecked, tuple(rows)
 
 
 def _claim(one: Statement, paper: Paper, args: dict[str, Any]) -> Claim:
@@ -56,25 +62,23 @@ def _rows(one: Statement, case: Case, method: str) -> list[Printed]:
     return found
 
 
-def _against_model(
-    one: Statement, case: Case, model: Named, bench: Bench
-) -> tuple[Finding | str, list[dict[str, Any]]]:
-    args = dict(one.args)
-    rows = _rows(one, case, args["method"])
-    study = bench.run([case], [model], max(row.mode for row in rows))
-    if (case, model) in study.failures:
-        return study.failures[case, model], study.rows()
-    f = study.answers[case, model].frequencies
+def _solved(one: Statement, case: Case, model: Named, bench: Bench) -> Study:
+    rows = _rows(one, case, dict(one.args)["method"])
+    return bench.run([case], [model], max(row.mode for row in rows))
+
+
+def _against_model(one: Statement, case: Case, model: Named, study: Study) -> Said:
+    args, f = dict(one.args), study.answers[case, model].frequencies
     off = [(100 * (row.frequency / f[row.mode - 1] - 1), 100 * row.half / row.frequency, row.mode)
-           for row in rows]  # fmt: skip
+           for row in _rows(one, case, args["method"])]  # fmt: skip
     # The one that is furthest beyond its last digit.
     value, digits, mode = max(off, key=lambda entry: abs(entry[0]) - entry[1])
     good = abs(value) <= args["within_percent"] + digits
     measured = f"against {label(model)} {value:+.3g} %, at f{mode}"
-    return Finding(measured, f"{digits:.1g} % (last digit)", _verdict(good, value)), study.rows()
+    return measured, f"{digits:.1g} % (last digit)", _verdict(good, value)
 
 
-def _against_row(one: Statement, case: Case) -> Finding:
+def _against_row(one: Statement, case: Case) -> Said:
     args = dict(one.args)
     other = {row.mode: row for row in _rows(one, case, args["against"])}
     pairs = [(row, other[row.mode]) for row in _rows(one, case, args["method"])
@@ -86,20 +90,8 @@ def _against_row(one: Statement, case: Case) -> Finding:
     digits = 100 * (a.half / a.frequency + b.half / b.frequency)
     good = abs(value) <= args["at_most_percent"] + digits
     measured = f"{a.method} against {b.method} at most {value:+.3g} %, at f{a.mode}"
-    return Finding(measured, f"{digits:.1g} % (last digits)", _verdict(good, value))
+    return measured, f"{digits:.1g} % (last digits)", _verdict(good, value)
 
 
 def _verdict(good: bool, value: float) -> str:
     return HOLDS if good else f"{FAILS}: {value:+.3g} %"
-
-
-def split(found: Sequence[Found]) -> tuple[list[tuple[Claim, Finding]], dict[str, str]]:
-    """Return the findings, and by id why a claim could not be checked."""
-    checked = [(claim, one) for claim, one in found if isinstance(one, Finding)]
-    return checked, dict(_unchecked(found))
-
-
-def _unchecked(found: Sequence[Found]) -> Iterator[tuple[str, str]]:
-    for claim, why in found:
-        if isinstance(why, str):
-            yield claim.id, why

@@ -1,22 +1,16 @@
 """The facts that claims are judged by: the models' own, the simulators' as accepted, no timing."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from harness.bench import Bench
-from harness.cases import PRESETS
-from harness.studies.claims import judge
-from harness.studies.claims.data import CANNOT, CHECKS, FAILS, HOLDS, ONLY_IF, Claim
-from harness.studies.claims.equations import equations
+from harness.studies.claims import find
+from harness.studies.claims.data import CANNOT, FAILS, HOLDS, ONLY_IF, Claim
 from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts, Reference, Spent
-from harness.studies.claims.measure import beams, maps, slender
 from harness.studies.cost.work import counted
-
-TABLE = [PRESETS[name] for name in CASES]
 
 SIMULATED = {
     "exudyn-beam@12+24": {
@@ -73,14 +67,12 @@ def bench() -> Iterator[Bench]:
 
 @pytest.fixture(scope="session")
 def facts(bench: Bench) -> Facts:
-    """All but the maps. Timings are made up: a test must not depend on how busy a machine is."""
+    """Timings are made up: a test must not depend on how busy a machine is."""
     noise = np.array([0.99, 1.0, 1.01])
     return Facts(
-        beams=beams(TABLE, bench, []),
+        bench,
         fea=_solved_once("exudyn-beam@12+24", 2e-3),
         solid=_solved_once("ngsolve-solid@2+4", 4e-4),
-        slender=slender(TABLE, bench, []),
-        equations=equations(TABLE),
         times=spent(null_space=0.0055 * noise, saddle_point=0.01 * noise),
         fea_times={
             PAPER.label: elements(0.005 * noise, 54),
@@ -111,29 +103,6 @@ def _solved_once(label: str, uncertainty: float) -> Reference:
 
 
 @pytest.fixture(scope="session")
-def mapped_facts(facts: Facts, bench: Bench) -> Facts:
-    """With the maps, which take seconds."""
-    return replace(facts, maps=maps(TABLE, bench, []))
-
-
-@pytest.fixture
-def facts_for(request: pytest.FixtureRequest) -> Callable[[Claim], Facts]:
-    """The facts that a claim's check reads."""
-
-    def choose(claim: Claim) -> Facts:
-        mapped = "maps" in CHECKS[claim.check][1]
-        return request.getfixturevalue("mapped_facts" if mapped else "facts")  # type: ignore[no-any-return]
-
-    return choose
-
-
-@pytest.fixture(scope="session")
 def kind() -> Callable[[Facts, Claim], str]:
     """The kind of the verdict on a claim."""
-
-    def judged(facts: Facts, claim: Claim) -> str:
-        (checked,), unchecked = judge([claim], facts, {})
-        assert not unchecked
-        return checked.finding.kind
-
-    return judged
+    return lambda facts, claim: find(claim, facts).kind

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,45 +10,21 @@ import pytest
 from analytic import Material, Mechanism, Platform, Rod
 from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.studies.claims import judge
-from harness.studies.claims.data import (
-    CANNOT,
-    CHECKS,
-    FAILS,
-    HOLDS,
-    ONLY_IF,
-    RULES,
-    Claim,
-    Finding,
-    claims,
-)
+from harness.studies.claims import find, judge
+from harness.studies.claims.data import CANNOT, FAILS, HOLDS, ONLY_IF, RULES, Claim, Finding, claims
 from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts, Reference, Spent
-from harness.studies.claims.measure import beams, gather
 
 BY_ID = {claim.id: claim for claim in claims()}
 Kind = Callable[[Facts, Claim], str]
 
 
-def every_claim() -> list[Any]:
-    """Claims on the whole workspace take seconds to measure."""
-    slow = pytest.mark.slow
-    return [
-        pytest.param(claim, id=claim.id, marks=slow if "maps" in CHECKS[claim.check][1] else ())
-        for claim in claims()
-    ]
-
-
-@pytest.mark.parametrize("claim", every_claim())
-def test_verdict(
-    claim: Claim, facts_for: Callable[[Claim], Facts], kind: Kind, expected: dict[str, str]
-) -> None:
-    assert kind(facts_for(claim), claim) == expected[claim.id]
+@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+def test_verdict(claim: Claim, facts: Facts, kind: Kind, expected: dict[str, str]) -> None:
+    assert kind(facts, claim) == expected[claim.id]
 
 
 def finding(facts: Facts, name: str) -> Finding:
-    (checked,), unchecked = judge([BY_ID[name]], facts, {})
-    assert not unchecked
-    return checked.finding
+    return find(BY_ID[name], facts)
 
 
 def test_a_number_agrees_within_its_rounding_and_the_references_uncertainty(facts: Facts) -> None:
@@ -63,26 +38,23 @@ def test_a_number_agrees_within_its_rounding_and_the_references_uncertainty(fact
     ):
         hertz, uncertainty = {"case1": np.full(6, 114.87 + off)}, {"case1": np.full(6, own)}
         found = Reference("planted", hertz, uncertainty)
-        planted = replace(facts, fea=found, solid=found)
+        planted = facts.but(fea=found, solid=found)
         assert finding(planted, "table1-case1-fea-f1").kind == expected
 
 
 def test_references_that_disagree_make_it_a_condition(facts: Facts) -> None:
     planted = Reference("planted", {"case1": np.full(6, 114.87)}, {"case1": np.zeros(6)})
-    found = finding(replace(facts, fea=planted), "table1-case1-fea-f1")
+    found = finding(facts.but(fea=planted), "table1-case1-fea-f1")
     assert found.verdict == "holds only if the finite elements are those of planted"
 
 
 def test_a_mechanism_of_other_stiffness_turns_the_verdict(facts: Facts, bench: Bench) -> None:
     """Frequencies grow with the root of E: so soft a mechanism has the printed f1, and no f3."""
-    softer = float((115.02 / facts.beams.hertz["case1", PAPER][0]) ** 2)
+    softer = float((115.02 / facts.hertz["case1", PAPER][0]) ** 2)
     steel = Material(200e9 * softer, 77e9 * softer, 7820)
     robot = Mechanism.regular(0.3, 0.2, Rod(steel, 0.1), Platform.disc(0.2, 0.02, 7820))
-    soft = beams([replace(PRESETS[name], mechanism=robot) for name in CASES], bench, [])
-    found = {
-        i: finding(replace(facts, beams=soft), f"table1-case1-theoretical-f{i}").kind
-        for i in (1, 2, 3)
-    }
+    soft = Facts(bench, [replace(PRESETS[name], mechanism=robot) for name in CASES])
+    found = {i: finding(soft, f"table1-case1-theoretical-f{i}").kind for i in (1, 2, 3)}
     assert found == {1: HOLDS, 2: HOLDS, 3: CANNOT}
 
 
@@ -93,9 +65,8 @@ def test_causes_add_up_to_the_error(facts: Facts) -> None:
     assert len(parts) == 8
     np.testing.assert_allclose([sum(parts[:4]), sum(parts[4:])], totals, atol=2e-3)
     assert "mostly shear" in found.verdict
-    coarse = {("case1", PAPER): facts.beams.hertz["case1", replace(PAPER, elements=1)]}
-    one_element = replace(facts.beams, hertz=dict(facts.beams.hertz) | coarse)
-    found = finding(replace(facts, beams=one_element), "error-case1-f4-s3")
+    coarse = {("case1", PAPER): facts.hertz["case1", replace(PAPER, elements=1)]}
+    found = finding(facts.but(hertz=facts.hertz | coarse), "error-case1-f4-s3")
     assert "mostly number of elements" in found.verdict
 
 
@@ -109,7 +80,7 @@ def formulations(
             own = facts.times["paper"][s]
             time = own.solves * (solves or {}).get(name, 1.5)
             changed[name][s] = Spent(own.seconds, time, factor * own.work)
-    return replace(facts, times=changed)
+    return facts.but(times=changed)
 
 
 BOTH = ("null-space", "saddle-point")
@@ -146,7 +117,7 @@ def test_no_interpreter_moves_the_verdict_on_multipliers(facts: Facts) -> None:
         slow = {
             s: replace(one, seconds=factor * one.seconds) for s, one in facts.times["paper"].items()
         }
-        here = replace(facts, times={**facts.times, "paper": slow})
+        here = facts.but(times={**facts.times, "paper": slow})
         assert finding(here, "faster-without-multipliers") == finding(
             facts, "faster-without-multipliers"
         )
@@ -157,7 +128,7 @@ def test_no_chance_agreement_of_seconds_is_a_verdict(facts: Facts) -> None:
     own = Spent(np.full(3, 0.82), np.full(3, 0.5), 54)
     for fea, times in ((6.16, "8"), (5.0, "6"), (82.0, "100")):
         planted = {PAPER.label: own, "planted": Spent(np.full(3, fea), np.full(3, 1.0), 444)}
-        here = replace(facts, fea_times=planted)
+        here = facts.but(fea_times=planted)
         assert finding(here, "time-theoretical").kind == finding(here, "time-fea").kind == CANNOT
         assert finding(here, "time-saved").verdict == (
             "holds only if the finite elements take 7.5 times as long as the theory: planted takes "
@@ -176,7 +147,7 @@ def test_finite_elements_that_take_less_turn_the_verdicts_on_times(
         "planted": Spent(np.full(3, whole), np.full(3, solve), coordinates),
     }
     for name in ("time-theoretical", "time-fea", "time-saved"):
-        assert finding(replace(facts, fea_times=planted), name).verdict == (
+        assert finding(facts.but(fea_times=planted), name).verdict == (
             "fails: no finite elements here take more than the theory in seconds, in those of the "
             "eigen-solution and in coordinates at once"
         )
@@ -187,12 +158,11 @@ def test_real_simulators_give_the_same_verdicts(
     facts: Facts, expected: dict[str, str], bench: Bench
 ) -> None:
     """Only timings are left out: a busy machine may change them."""
-    real, missing, _ = gather(["beams", "fea", "solid"], bench)
-    assert not missing
-    chosen = [c for c in claims() if {"fea"} & set(CHECKS[c.check][1])]
-    found, unchecked = judge(chosen, real, missing)
-    assert found and not unchecked
-    assert {c.claim.id: c.finding.kind for c in found} == {c.id: expected[c.id] for c in chosen}
+    real = Facts(bench)
+    chosen = [c for c in claims() if c.check in ("fea", "error", "largest_error")]
+    result = judge(chosen, real)
+    assert result.found and not result.failures()
+    assert {c.claim.id: c.kind for c in result.found} == {c.id: expected[c.id] for c in chosen}
     # The frequencies that the quick tests stand on are what comes out.
     for one, stored in ((real.fea, facts.fea), (real.solid, facts.solid)):
         assert one and stored and one.label == stored.label
