@@ -57,16 +57,16 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
 
 def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str) -> None:
     problem, (low, high) = one.problem, one.problem.limits
-    best, ends = one.x[0, :, None], problem.to_x(one.together[0].T).T
+    best, ends = one.x[:, None], problem.to_x(one.together.T).T
     span = np.clip(best + 1.3 * (ends - best), low[:, None], high[:, None])
     residuals = problem.residuals(problem.table.logarithms[None])
-    at, sums = profiles(residuals, one.x[0], low, high, span, POINTS)
-    height = (sums - one.sums[0]) / one.noise[0] ** 2
+    at, sums = profiles(residuals, one.x, low, high, span, POINTS)
+    height = (sums - one.sum) / one.noise**2
     for k, (axes, values) in enumerate(zip(above, problem.from_x(at.T).T, strict=True)):
         axes.plot(values, height[k], color=colour, lw=1.4)
-        axes.plot(one.values[0, k], 0, "o", color=colour, ms=4, clip_on=False)
+        axes.plot(one.values[k], 0, "o", color=colour, ms=4, clip_on=False)
         for interval, style in ((one.alone, ":"), (one.together, "--")):
-            for value, opened in zip(interval[0, k], one.open[0, k], strict=True):
+            for value, opened in zip(interval[k], one.open[k], strict=True):
                 if not opened:
                     axes.axvline(value, color=colour, ls=style, lw=0.8)
         axes.axvline(problem.given[k], color="0.5", lw=0.8)
