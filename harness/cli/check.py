@@ -66,6 +66,7 @@ def check(
     from harness.bench import Bench
     from harness.gate.report import FORMS
     from harness.output import check_file, write_all
+    from harness.report.page import renewed
 
     files = {form: texts.pop(form) for form in FILES}
     if compare is not None:
@@ -80,6 +81,8 @@ def check(
         report, _ = _look(plan, known, bench, history)
     for form, path in targets:
         write_all(path.parent, {path.name: FORMS[form](report)})
+    if output is not None:
+        write_all(output, renewed(output, history))
     _display(report)
     for _, path in targets:
         click.echo(f"wrote {path}")

@@ -23,7 +23,7 @@ def reproduce(
     from harness import reproduce as job
     from harness.bench import Bench
     from harness.output import result_files, write_all
-    from harness.report.page import page_files
+    from harness.report.page import load_check, page_files
     from harness.text import plan, split
 
     asked = plan(texts)
@@ -41,7 +41,7 @@ def reproduce(
     results = {stem: result for part in parts for stem, result in part.results.items()}
     kept = finish(results, None, history)
     last = job.summaries(asked, parts)
-    last |= page_files(asked, parts, history, flags.as_typed(without=("only",)))
+    last |= page_files(asked, parts, history, flags.as_typed(without=("only",)), load_check(output))
     written += len(write_all(output, last))
     click.echo(job.short(parts), nl=False)
     click.echo(f"{written} files in {output}/; start with {output / 'index.html'}")

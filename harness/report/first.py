@@ -31,7 +31,7 @@ def section(run: Material, fig3: Json | None) -> Section:
     context = {
         "paper": paper,
         "heading": f"{what}, checked against independent simulators",
-        "finding": causes(table.study, table.theories[0]) if table else [],
+        "finding": _finding(table) if table else [],
         "answers": _answers(run, table if paper else None),
         "verdicts": [{"kind": n, "count": counts[n]} for n in VERDICTS if counts[n]],
         "mechanism": pictures.mechanism(cases[0]),
@@ -39,6 +39,19 @@ def section(run: Material, fig3: Json | None) -> Section:
         "gate": None,
     }
     return Section(KEY, "The result", "Result", run.command, context)
+
+
+def _finding(table: TableOne) -> list[Json]:
+    """Return what elements and theory cost, each behind the question that it answers."""
+    theory, limit = table.theories[0], table.theories[0].limit()
+    of_theory = [] if limit is None else causes(table.study, limit)
+    of_elements = [line for line in causes(table.study, theory) if line not in of_theory]
+    number = theory.elements
+    enough = "Is one element enough?" if number == 1 else f"Are {number} elements a limb enough?"
+    return [
+        *({"question": enough, "said": line} for line in of_elements),
+        *({"question": "What does beam theory cost?", "said": line} for line in of_theory),
+    ]
 
 
 def _answers(run: Material, printed: TableOne | None) -> list[Json]:

@@ -23,7 +23,7 @@ from harness.compare import (
     pairing_notes,
     span,
 )
-from harness.figures import COLOURS, look, panels
+from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Request
@@ -179,8 +179,8 @@ class Budget(Result):
             yield f"GCI of {model.label}: grid convergence index from {numbers} elements"
 
     def figures(self) -> "dict[str, Figure]":
-        """Return the bars, and Fig. 3 with the floor that no number of elements can cross."""
-        return {"": budget_figure(self), "-floor": floor_figure(self)} if self.shares else {}
+        """Return the parts as stacked bars."""
+        return {"": budget_figure(self)} if self.shares else {}
 
     def sentences(self) -> list[str]:
         """Return the range of each part over cases, with the paper's number of elements."""
@@ -251,52 +251,37 @@ def jobs(plan: Plan) -> dict[str, Request]:
 
 
 def budget_figure(result: Budget) -> "Figure":
-    """Return stacked bars, one a mode and s; a panel a case. The line is the reference's GCI."""
+    """Return stacked bars, one a mode and s, a panel a case; a mark with its value is the total."""
     title = (
-        f"{result.theory.name}@s against {result.reference.label}; on each bar: s; "
-        "beside it: the reference's own GCI"
+        f"Error of {result.theory.name} with s elements a limb against {result.reference.label}, "
+        "by cause"
     )
-    heads = [case.name for case in result.shares]
-    figure, (row,) = panels(title, 1, len(heads), (6.4, 4.2), heads, sharey=True)
-    width, place = 0.8 / len(result.elements), np.arange(len(result.shown))
+    heads = [case.heading for case in result.shares]
+    figure, (row,) = panels(title, 1, len(heads), (6.8, 4.6), heads, sharey=True)
+    width, place = 0.84 / len(result.elements), np.arange(len(result.shown))
     for axes, (case, shares) in zip(row, result.shares.items(), strict=True):
-        known = np.nan_to_num(at(shares, result.shown))
-        for k, table in enumerate(known):
-            where = place + (k - (len(result.elements) - 1) / 2) * width
+        own = at(result.bands[case][result.reference], result.shown)
+        ticks: list[float] = []
+        for k, table in enumerate(np.nan_to_num(at(shares, result.shown))):
+            where, total = place + (k - (len(result.elements) - 1) / 2) * width, table.sum(axis=0)
             up, down = np.zeros(len(place)), np.zeros(len(place))
             for p, (part, share) in enumerate(zip(result.parts, table, strict=True)):
                 axes.bar(where, share, 0.9 * width, bottom=np.where(share >= 0, up, down),
                          color=COLOURS[p], label=part if k == 0 else None)  # fmt: skip
                 up, down = up + np.maximum(share, 0), down + np.minimum(share, 0)
-            for x, top in zip(where, up, strict=True):
-                axes.annotate(f"{result.elements[k]}", (x, top), xytext=(0, 2), ha="center",
+            axes.errorbar(where, total, own, fmt="D", ms=4.5, color="black", mec="white", mew=0.7,
+                          elinewidth=0.8, capsize=2, label="total" if k == 0 else None)  # fmt: skip
+            for x, top, value in zip(where, np.maximum(up, total), total, strict=True):
+                axes.annotate(f"{value:+.2f}", (x, top), xytext=(0, 5), ha="center", rotation=90,
                               textcoords="offset points", fontsize=7)  # fmt: skip
-        own = at(result.bands[case][result.reference], result.shown)
-        axes.errorbar(where + 0.75 * width, known[-1].sum(axis=0), own, fmt="none", ecolor="0.3",
-                      capsize=2)  # fmt: skip
+            ticks += where.tolist()
+        names = np.repeat(result.elements, len(place))
+        axes.set_xticks(ticks, [f"{s}" for s in names], minor=True, fontsize=7)
         axes.set_xticks(place, [f"$f_{{{i}}}$" for i in result.shown])
+        axes.tick_params(axis="x", which="major", length=0, pad=13)
+        axes.set_xlabel("under each bar: s; whiskers: the reference's own GCI", fontsize=8)
         axes.axhline(0, color="0.4", lw=0.8)
+        axes.margins(y=0.12)
     row[0].set_ylabel("share of the error [percentage points]")
     row[0].legend(fontsize=8, loc="upper left")
-    return figure
-
-
-def floor_figure(result: Budget) -> "Figure":
-    """Return Fig. 3 again, with the floor of each mode that no number of elements can cross."""
-    title = (
-        f"{result.theory.name}@s against {result.reference.label}; dashed: the floor, without "
-        "elements"
-    )
-    heads = [case.name for case in result.shares]
-    figure, (row,) = panels(title, 1, len(heads), (5.2, 4.2), heads, sharey=True)
-    for axes, shares in zip(row, result.shares.values(), strict=True):
-        for i in result.shown:
-            axes.plot(result.elements, shares.sum(axis=1)[:, i - 1], **look(i))
-            axes.axhline(shares[-1, 1:, i - 1].sum(), ls="--", alpha=0.6, lw=1.2,
-                         color=look(i)["color"])  # fmt: skip
-        axes.set_xlabel("number of elements $s$")
-        axes.set_xticks(result.elements)
-        axes.grid(alpha=0.25)
-    row[0].set_ylabel("relative error [%]")
-    row[-1].legend(fontsize=9)
     return figure

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 from harness import published
 from harness.bench import Bench, Study
 from harness.cases import Case
-from harness.compare import at, case_notes, cells, errors, failure_notes, pairing_notes
+from harness.compare import (
+    at,
+    case_notes,
+    cells,
+    errors,
+    failure_notes,
+    match,
+    pairing_notes,
+)
 from harness.figures import look, panels
 from harness.plan import Plan
 from harness.request import Request
@@ -55,6 +63,15 @@ class Convergence(Result):
     def same_theory(self) -> bool:
         """Whether the reference is the theory's own limit, so that errors are discretisation."""
         return self.reference == self.theory.limit()
+
+    def floor(self, case: Case) -> Array:
+        """Return the error that no number of elements removes [%], (count,): without any.
+
+        NaN where the theory has no limit, or one of the two failed.
+        """
+        limit = self.theory.limit()
+        found = None if limit is None else match(self.study, case, limit, self.reference)
+        return np.full(self.study.count, np.nan) if found is None else found.error
 
     def order(self, case: Case) -> Array:
         """Return the observed order from each s to the next, shape (len(elements) - 1, count).
@@ -154,7 +171,9 @@ def run(request: Request, bench: Bench) -> Convergence:
     """Return the convergence of the theory against the first reference."""
     theory, reference, elements = request.theory, request.references[0], request.steps
     meshes = [replace(theory, elements=s) for s in elements]
-    study = bench.run(request.cases, [reference, *meshes], request.count)
+    limit = theory.limit()
+    models = [reference, *meshes, *([] if limit is None else [limit])]
+    study = bench.run(request.cases, models, request.count)
     return Convergence(study, theory, reference, elements, request.shown)
 
 
@@ -175,7 +194,8 @@ def convergence_figure(result: Convergence) -> "Figure":
     from matplotlib.ticker import MaxNLocator, NullFormatter
 
     cases, own = list(result.errors), result.same_theory
-    title = f"{result.theory.name}@s against {result.reference.label}"
+    title = f"{result.theory.name} with s elements a limb against {result.reference.label}"
+    title += "" if own else "; dotted: without elements, the floor"
     heads = [case.heading for case in cases]
     figure, (row,) = panels(title, 1, len(cases), (5.2, 4.4), heads, sharey=True)
     positive = own or all((found > 0).all() for found in result.errors.values())
@@ -185,6 +205,10 @@ def convergence_figure(result: Convergence) -> "Figure":
             # Of two curves that coincide the first is seen round the second, which is open.
             axes.plot(result.elements, found[:, i - 1],
                       **look(i) | ({"mfc": "white"} if i % 2 else {"ls": "--"}))  # fmt: skip
+            if not own:
+                axes.axhline(
+                    result.floor(case)[i - 1], ls=":", lw=1.4, color=look(i)["color"], zorder=1
+                )
         for number in () if own else result.elements:
             for i, quoted in zip(result.shown, result.quoted(case, number), strict=True):
                 if quoted is not None:

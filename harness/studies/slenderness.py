@@ -12,7 +12,7 @@ from analytic import Mechanism, Rod, limbs_at
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.causes import THEORIES, exact
-from harness.compare import at, cells, failure_notes, match, percent
+from harness.compare import at, cells, failure_notes, match
 from harness.figures import look, panels
 from harness.plan import Plan
 from harness.presets import SOLIDS, quick
@@ -105,7 +105,7 @@ class Slenderness(Result):
                     )  # fmt: skip
                 axes.axhline(0, color="0.4", lw=0.8)
                 axes.grid(alpha=0.25)
-                axes.set_title(f"{theory.name}, {case.name}", fontsize=10)
+                axes.set_title(f"{theory.name}, {case.heading}", fontsize=10)
                 axes.set_xticks(self.ratios)
             row[0].set_ylabel("error [%]")
         for axes in grid[-1]:
@@ -117,15 +117,14 @@ class Slenderness(Result):
         """Return the largest errors of the theories for the most slender and the stoutest rods."""
         lines = []
         for k in dict.fromkeys((0, len(self.ratios) - 1)):
-            worst = []
+            worst, sure = [], np.array([self.uncertainty[case][k] for case in self.cases])
             for theory in self.theories:
-                found = at(
-                    np.array([self.errors[case, theory][k] for case in self.cases]), self.shown
-                )
+                errors = np.array([self.errors[case, theory][k] for case in self.cases])
+                found, own = np.abs(at(errors, self.shown)), at(sure, self.shown)
                 if np.isfinite(found).any():
-                    worst.append(
-                        f"{percent(float(np.nanmax(np.abs(found))))} (exact {theory.name})"
-                    )
+                    place = int(np.nanargmax(found))
+                    bar = f" +-{own.flat[place]:.1g}" if np.isfinite(own.flat[place]) else ""
+                    worst.append(f"{found.flat[place]:.2g}{bar} % (exact {theory.name})")
             if worst:
                 lines.append(
                     f"At d/L = {self.ratios[k]:g} beam theory is up to {' and '.join(worst)} from "

@@ -1,7 +1,13 @@
 "use strict";
 // What all sections share: choices, charts, tables of numbers, and where a number comes from.
 const $ = (id) => document.getElementById(id);
-const read = (key) => JSON.parse($(`data-${key}`)?.textContent ?? "null");
+// What is large is in the page packed: the data of all sections, and the plotting library.
+async function unpack(id) {
+  const packed = Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+const kept = JSON.parse(await unpack("data"));
+const read = (key) => kept[key] ?? null;
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const ledger = read("ledger");
 const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "hexagon"];
@@ -202,9 +208,7 @@ function redraw() {
 async function library() {
   // The second frame comes when the first is on the screen.
   await new Promise((shown) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(shown))));
-  const packed = Uint8Array.from(atob($("plotly").textContent), (letter) => letter.charCodeAt(0));
-  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  document.head.append(element("script", await new Response(unpacked).text()));
+  document.head.append(element("script", await unpack("plotly")));
   root.dataset.charts = "ready";
 }
 
