@@ -112,16 +112,23 @@ function legend(id, data) {
   list.hidden = named.length < 2;
   own.off = new Set(named.map((one) => one.name).filter((name) => own.off?.has(name)));
   for (const one of named) one.visible = own.off.has(one.name) ? "legendonly" : true;
-  list.replaceChildren(...named.map((one) => {
-    const form = String(one.marker?.symbol ?? "square").replace("-open", "");
-    const tint = one.type === "bar" || !one.line ? one.marker?.color : one.line.color;
+  const looks = named.map((one) => [one.name, String(one.marker?.symbol ?? "square"),
+    one.type === "bar" || !one.line ? one.marker?.color : one.line.color]);
+  // Buttons that are right stay: one of them may have the focus.
+  if (list.dataset.looks === JSON.stringify(looks)) {
+    list.querySelectorAll("button").forEach((button, k) => button.setAttribute("aria-pressed", String(named[k].visible === true)));
+    return;
+  }
+  list.dataset.looks = JSON.stringify(looks);
+  list.replaceChildren(...named.map((one, k) => {
+    const [form, tint] = [looks[k][1].replace("-open", ""), looks[k][2]];
     const drawing = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     drawing.setAttribute("viewBox", "0 0 16 16");
     drawing.setAttribute("aria-hidden", "true");
     const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
     path.setAttribute("d", FORMS[form] ?? FORMS.square);
     path.setAttribute("stroke", tint);
-    path.setAttribute("fill", String(one.marker?.symbol).endsWith("-open") ? "none" : tint);
+    path.setAttribute("fill", looks[k][1].endsWith("-open") ? "none" : tint);
     drawing.append(path);
     const text = element("span");
     text.append(...one.name.split(/<sub>(.*?)<\/sub>/).map((part, k) => k % 2 ? element("sub", part) : part));
@@ -129,9 +136,7 @@ function legend(id, data) {
     button.append(drawing, text);
     button.addEventListener("click", () => {
       if (!own.off.delete(one.name)) own.off.add(one.name);
-      const place = [...list.querySelectorAll("button")].indexOf(button);
       update(id);
-      list.querySelectorAll("button")[place]?.focus();
     });
     const item = element("li");
     item.append(button);
