@@ -52,7 +52,7 @@ STUDIES = (
           "Order, limit and uncertainty of every model"),
     Entry("budget", "harness.studies.budget",
           "Split the error into its causes: elements, rotary inertia, shear and what remains.",
-          "Error budget"),
+          "Error budget", lead=0),
     Entry("slenderness", "harness.studies.slenderness",
           "Compare beam theories with solids as rods grow stout.", "Slenderness"),
     Entry("shapes", "harness.studies.shapes",
