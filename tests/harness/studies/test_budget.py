@@ -44,7 +44,10 @@ def test_effects_have_their_sign_and_size() -> None:
     assert (inertia > 0.25).all() and (shear > 1).all() and (elements > 0).all()
     assert (elements < 0.1).all() and (np.abs(rest) < 0.005).all()
     assert (np.abs(rest) < result.bands[case][REFERENCE]).all()
-    assert list(result.figures()) == [""]
+    (figure,) = result.figures().values()
+    written = [text.get_text() for text in figure.axes[0].texts]
+    total = result.shares[case].sum(axis=1)[0]
+    assert written == [f"{value:+.2f}" for value in total], "the total of every bar, in figures"
 
 
 def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
