@@ -1,6 +1,7 @@
 """Figures as files: three forms, 300 dots an inch, whatever the user's matplotlibrc says."""
 
 import io
+from typing import Any
 
 import matplotlib as mpl
 import pytest
@@ -10,7 +11,7 @@ from harness.api import study
 from harness.output import result_files
 from harness.result import Result
 
-USERS = {"text.usetex": True, "figure.dpi": 20, "savefig.bbox": "tight", "lines.linewidth": 9,
+USERS: dict[Any, Any] = {"text.usetex": True, "figure.dpi": 20, "savefig.bbox": "tight", "lines.linewidth": 9,
          "svg.fonttype": "none", "axes.facecolor": "black"}  # fmt: skip
 
 
