@@ -11,8 +11,10 @@ from harness.api import study
 from harness.output import result_files
 from harness.result import Result
 
-USERS: dict[Any, Any] = {"text.usetex": True, "figure.dpi": 20, "savefig.bbox": "tight", "lines.linewidth": 9,
-         "svg.fonttype": "none", "axes.facecolor": "black"}  # fmt: skip
+USERS: dict[Any, Any] = {
+    "text.usetex": True, "figure.dpi": 20, "savefig.bbox": "tight", "lines.linewidth": 9,
+    "svg.fonttype": "none", "axes.facecolor": "black",
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
