@@ -9,6 +9,7 @@ from harness.report import pictures
 from harness.report.material import Material
 from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
+from harness.studies.claims.data import MANY
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
 
@@ -33,7 +34,11 @@ def section(run: Material, fig3: Json | None) -> Section:
         "heading": f"{what}, checked against independent simulators",
         "finding": _finding(table) if table else [],
         "answers": _answers(run, table if paper else None),
-        "verdicts": [{"kind": n, "count": counts[n]} for n in VERDICTS if counts[n]],
+        "verdicts": [
+            {"kind": n, "count": counts[n], "said": n if counts[n] == 1 else MANY.get(n, n)}
+            for n in VERDICTS
+            if counts[n]
+        ],
         "mechanism": pictures.mechanism(cases[0]),
         "fig3": pictures.fig3(fig3) if fig3 else None,
         "gate": None,

@@ -24,6 +24,7 @@ from harness.studies.claims.data import (
     COLUMNS,
     HOLDS,
     KINDS,
+    MANY,
     RULES,
     WORDS,
     Args,
@@ -100,7 +101,10 @@ class Claims(Result):
 
     def sentences(self) -> list[str]:
         """Return how many statements there are of each verdict, then those that fail."""
-        counts = ", ".join(f"{number} {kind}" for kind, number in self.counts().items())
+        counts = ", ".join(
+            f"{number} {kind if number == 1 else MANY.get(kind, kind)}"
+            for kind, number in self.counts().items()
+        )
         return [f"Of {len(self.found)} statements of the paper: {counts}."] + [
             f"{one.claim.id}: {one.verdict}." for one in self.found if one.kind == KINDS[-1]
         ]

@@ -15,6 +15,8 @@ KINDS = HOLDS, ONLY_IF, CANNOT, FAILS = (
     "holds", "holds only if", "cannot be reproduced as printed", "fails"
 )  # fmt: skip
 """What a verdict begins with."""
+MANY = {HOLDS: "hold", ONLY_IF: "hold on a condition", FAILS: "fail"}
+"""What several claims of a kind do."""
 Args = Mapping[str, Any]
 Outcome = tuple[str, dict[str, Any]]
 """Which verdict of findings.toml is true, and what its words are filled in with."""
