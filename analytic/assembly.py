@@ -36,7 +36,8 @@ class Layout:
 
     def pair(self, blocks: list[Floats]) -> tuple[Any, ...]:
         """Return K and M from blocks (2, ...) of both: dense, or sparse."""
-        entries = np.concatenate([block.reshape(2, -1) for block in blocks], axis=1)[:, self.taken]
+        every = np.concatenate([block.reshape(2, -1) for block in blocks], axis=1)
+        entries = every.take(self.taken, axis=1)
         stored = self.size**2 if self.indices is None else len(self.indices)
         K, M = (np.bincount(self.slots, of, stored) for of in entries)
         if self.indices is None:

@@ -6,6 +6,7 @@ Phi = 12 EI / (kappa G A h^2); Phi = 0 gives Hermite's cubics. Gauss's four poin
 product exactly, once and for all rods.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -44,11 +45,12 @@ def _parts(a: Floats) -> Floats:
     return np.stack([square[0, 0], square[0, 1] + square[1, 0], square[1, 1]])
 
 
-def _patterns() -> tuple[Floats, Floats]:
-    """Return the entries of K_e and M_e without what depends on the rod, (11, 144) and (20, 144).
+def _patterns() -> Floats:
+    """Return the entries of K_e and M_e side by side without what depends on the rod, (31, 288).
 
     Of bending one row for every power of h that rotations bring (0 to 2) times every one of Phi (0
-    to 2); then the bar and the shaft. M has those of rho A w^2, of rho I theta^2, then these two.
+    to 2): of the strain energy, of rho A w^2 and of rho I theta^2. Then K_e's bar and shaft, and
+    M_e's.
     """
     x, one = _XI, np.ones_like(_XI)
     rotation = np.array(
@@ -79,16 +81,56 @@ def _patterns() -> tuple[Floats, Floats]:
         placed[0][np.ix_(_AXIAL, _AXIAL)] = placed[1][np.ix_(_TORSION, _TORSION)] = matrix
         return placed.reshape(2, 144)
 
-    K = [bending(stiffness), line([[1, -1], [-1, 1]])]
+    K = [bending(stiffness), np.zeros((18, 144)), line([[1, -1], [-1, 1]]), np.zeros((2, 144))]
     M = [
+        np.zeros((9, 144)),
         bending(_parts(deflection(_XI))),
         bending(_parts(rotation)),
+        np.zeros((2, 144)),
         line([[1 / 3, 1 / 6], [1 / 6, 1 / 3]]),
     ]
-    return np.concatenate(K), np.concatenate(M)
+    return np.hstack([np.concatenate(K), np.concatenate(M)])
 
 
-_K, _M = _patterns()
+_PATTERNS = _patterns()
+# Of every pattern the power of h, then that of Phi / flexibility = 1 / h^2; bending first.
+_OF_H = np.repeat([0.0, 1.0, 2.0], 3)
+_OF_PHI = np.tile([0.0, 1.0, 2.0], 3)
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What elements of the same rods share, whatever their length.
+
+    Attributes: `factors` (n, 31) and `powers` (31,): every pattern of K_e and M_e is multiplied by
+    factor h^power, those of bending by 1 / (1 + Phi)^2 besides; `flexibility` (n,) as of the rods.
+    """
+
+    factors: Floats
+    powers: Floats
+    flexibility: Floats
+
+    def matrices(self, lengths: Floats) -> Floats:
+        """Return what `element_matrices` does."""
+        values = self.factors * lengths[:, None] ** self.powers
+        soft = 1 + self.flexibility / (lengths * lengths)
+        values[:, :-4] /= (soft * soft)[:, None]
+        return np.asarray((values @ _PATTERNS).reshape(-1, 2, 12, 12).swapaxes(0, 1))
+
+
+def coefficients(rods: Sections) -> Coefficients:
+    """Return what elements of these `rods` share."""
+    phi = rods.flexibility[:, None] ** _OF_PHI
+    shaft = 2 * rods.EI / rods.axial_speed2  # rho J of a round rod
+    bending = [
+        rods.EI[:, None] * phi,
+        rods.line_mass[:, None] * phi,
+        rods.line_inertia[:, None] * phi,
+    ]
+    line = np.stack([rods.EA, rods.torsion_speed2 * shaft, rods.line_mass, shaft], axis=1)
+    own = _OF_H - 2 * _OF_PHI
+    powers = np.concatenate([own - 3, own + 1, own - 1, [-1.0, -1.0, 1.0, 1.0]])
+    return Coefficients(np.hstack([*bending, line]), powers, rods.flexibility)
 
 
 def element_matrices(rods: Sections, lengths: Floats) -> Floats:
@@ -98,26 +140,7 @@ def element_matrices(rods: Sections, lengths: Floats) -> Floats:
     rho I theta^2 (the last with rotary inertia only), besides a linear bar (EA, rho A) and shaft
     (GJ, rho J).
     """
-    h = lengths
-    n = len(h)
-    square = h * h
-    phi = rods.flexibility / square
-    grid = np.empty((n, 3, 3))
-    grid[:, 0, 0] = scale = 1 / (1 + phi) ** 2
-    grid[:, 0, 1], grid[:, 0, 2] = scale * phi, scale * phi * phi
-    grid[:, 1], grid[:, 2] = grid[:, 0] * h[:, None], grid[:, 0] * square[:, None]
-    powers = grid.reshape(n, 9)
-    shaft = 2 * rods.EI / rods.axial_speed2  # rho J of a round rod
-    stiff, heavy = np.empty((n, 11)), np.empty((n, 20))
-    stiff[:, :9] = powers * (rods.EI / (square * h))[:, None]
-    stiff[:, 9], stiff[:, 10] = rods.EA / h, rods.torsion_speed2 * shaft / h
-    heavy[:, :9] = powers * (rods.line_mass * h)[:, None]
-    heavy[:, 9:18] = powers * (rods.line_inertia / h)[:, None]
-    heavy[:, 18], heavy[:, 19] = rods.line_mass * h, shaft * h
-    both = np.empty((2, n, 144))
-    np.matmul(stiff, _K, out=both[0])
-    np.matmul(heavy, _M, out=both[1])
-    return both.reshape(2, n, 12, 12)
+    return coefficients(rods).matrices(lengths)
 
 
 def strains(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
@@ -144,11 +167,21 @@ def strains(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
 
 
 @lru_cache(maxsize=32)
-def _cells(s: int) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Return for `STATIONS` the nodes beside each (k, 2), where it is between, and `deflection`."""
+def _interpolation(s: int) -> Floats:
+    """Return the maps from a limb's nodes to `STATIONS` in limb axes, (2 * 33, 6 (s + 1)).
+
+    Those of rotations times h. The sum of both halves, the second times Phi, over 1 + Phi.
+    """
     cell = np.minimum((STATIONS * s).astype(int), s - 1)
     xi = STATIONS * s - cell
-    return cell[:, None] + [0, 1], xi, deflection(xi)
+    parts = deflection(xi)
+    maps = np.zeros((2, len(xi), 3, s + 1, 6))
+    k = np.arange(len(xi))
+    for direction, (dofs, sign) in enumerate(_BENDING):
+        for j, dof in enumerate(dofs):
+            maps[:, k, direction, cell + dof // 6, dof % 6] = parts[:, :, j] * sign[j]
+    maps[:, k, 2, cell, 2], maps[:, k, 2, cell + 1, 2] = 1 - xi, xi
+    return maps.reshape(2 * 3 * len(xi), -1)
 
 
 def centre_lines(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
@@ -157,14 +190,9 @@ def centre_lines(rods: Sections, lengths: Floats, nodes: Floats) -> Floats:
     By the elements' own interpolation, from `nodes` (n, s + 1, 6, m) and the elements' `lengths`
     (n,) [m].
     """
-    n = len(nodes)
-    beside, xi, parts = _cells(nodes.shape[1] - 1)
-    phi = (rods.flexibility / lengths**2)[:, None, None]
-    w = (parts[0] + phi * parts[1]) / (1 + phi)
-    w[..., 1::2] *= lengths[:, None, None]
-    weights = np.zeros((n, len(xi), 3, 12))
-    for direction, (dofs, sign) in enumerate(_BENDING):
-        weights[:, :, direction, dofs] = w * sign
-    weights[:, :, 2, 2], weights[:, :, 2, 8] = 1 - xi, xi
-    ends = nodes[:, beside].reshape(n, len(xi), 12, -1)
-    return np.asarray(weights @ ends)
+    n, ends, _, m = nodes.shape
+    scaled = nodes.copy()
+    scaled[:, :, 3:] *= lengths[:, None, None, None]
+    both = (_interpolation(ends - 1) @ scaled.reshape(n, -1, m)).reshape(n, 2, -1, 3, m)
+    phi = (rods.flexibility / lengths**2)[:, None, None, None]
+    return np.asarray((both[:, 0] + phi * both[:, 1]) / (1 + phi))

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import beam
+from analytic.beam import Coefficients, coefficients
 from analytic.kinematics import Limbs
 from analytic.mechanism import Mechanism
 from analytic.theory import Theory
@@ -25,22 +26,24 @@ WEAK = 1e-3
 
 
 @lru_cache(maxsize=32)
-def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Floats]:
-    """Return what poses share: the limbs' sections and `turning` of their revolute axes."""
-    return sections(mechanism, theory), turning(mechanism.axes)
+def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Coefficients, Floats]:
+    """Return what poses share: the limbs' sections, their elements', `turning` of their axes."""
+    rods = sections(mechanism, theory)
+    return rods, coefficients(rods), turning(mechanism.axes)
 
 
 @dataclass(frozen=True)
 class Chains:
     """n limbs of `elements` s.
 
-    Attributes: `rods`; limb `lengths` (n,) [m]; `frames` (n, 3, 3) from limb to global axes; `arms`
-    o to A_i (n, 3) [m]; `turns` e / e_k of the revolute joints (n, 3), see `turning`;
-    `platform_mass` M_p, Eq. (9).
+    Attributes: `rods` and what their elements have in `common`; limb `lengths` (n,) [m]; `frames`
+    (n, 3, 3) from limb to global axes; `arms` o to A_i (n, 3) [m]; `turns` e / e_k of the revolute
+    joints (n, 3), see `turning`; `platform_mass` M_p, Eq. (9).
     """
 
     elements: int
     rods: Sections
+    common: Coefficients
     lengths: Floats
     frames: Floats
     arms: Floats
@@ -79,7 +82,7 @@ class Chains:
 
     def element_matrices(self) -> Floats:
         """Return K_e and M_e in limb axes, shape (2, n, 12, 12)."""
-        return beam.element_matrices(self.rods, self.element_lengths)
+        return self.common.matrices(self.element_lengths)
 
     def strains(self, nodes: Floats) -> Floats:
         """Return `beam.strains` of motions of the nodes in global axes, (n, s + 1, 6, m)."""
@@ -129,11 +132,11 @@ class Chains:
 
 def chains(mechanism: Mechanism, limbs: Limbs, elements: int, theory: Theory) -> Chains:
     """Return the chains of `mechanism` with its `limbs` at one pose."""
-    rods, turns = _fixed(mechanism, theory)
+    rods, shared, turns = _fixed(mechanism, theory)
     M_p = np.zeros((6, 6))
     M_p[[0, 1, 2], [0, 1, 2]] = mechanism.platform.mass
     M_p[3:, 3:] = limbs.rotation @ mechanism.platform.inertia @ limbs.rotation.T
-    return Chains(elements, rods, limbs.lengths, limbs.frames, limbs.arms, turns, M_p)
+    return Chains(elements, rods, shared, limbs.lengths, limbs.frames, limbs.arms, turns, M_p)
 
 
 _STILL = np.hstack([np.eye(3), np.zeros((3, 3))]).ravel()

@@ -44,6 +44,9 @@ WORTHWHILE = 200_000
 """Poses from which on the compiled loop repays the seconds that it takes to load."""
 MOST_ELEMENTS = 1_000_000
 """Elements a limb whose dispersion relation is still told from rounding."""
+MOST_POLES = 12
+"""Bending modes of each kind a limb in a table: for more, bisection is quicker, and more than 30
+are beyond the tables' range."""
 LEVELS = 6
 """Most limb modes a bending direction before a pose is left to certified bisection."""
 
@@ -183,7 +186,7 @@ def _loop(size: int, fast: bool | None) -> Loop | None:
         return None
     loop = compiled()
     if loop is None and fast:
-        raise InputError("fast", fast, "numba to be installed: pip install 'rps-bench[fast]'")
+        raise InputError("fast", fast, "numba to be installed: pip install numba")
     return loop
 
 
@@ -208,7 +211,7 @@ def lowest(
     values = np.full((len(lengths), coupled), np.inf)
     left = np.arange(len(lengths))
     level = 1 + max(0, coupled - 6) // (2 * n)
-    for more in range(levels):
+    for more in range(min(levels, MOST_POLES - level)):
         problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
         if problem is None:
             break

@@ -28,21 +28,54 @@ def lowest_modes(K: Any, M: Any, count: int, shift: float = 0.0) -> tuple[Array,
     """
     if is_sparse(K):
         return lowest_sparse(K, M, count, shift)
-    size, held = len(K), K + shift * M if shift else K
-    # A symmetric matrix seen by columns is the same one: nothing is copied but what is overwritten.
-    mu, x, _, _, info = scipy.linalg.lapack.dsygvx(
-        M.T, held.T, range="I", il=size - count + 1, iu=size
-    )
-    mu, x = mu[:count], x[:, :count]
-    _check(info, mu)
+    root, A = _standard(K + shift * M if shift else K, M)
+    mu, z = largest(A, count)
+    x, _ = scipy.linalg.lapack.dtrtrs(root, z, lower=1, trans=1)
     return 1 / mu[::-1] - shift, (x / np.sqrt(mu))[:, ::-1]
 
 
 def lowest_values(K: Array, M: Array, count: int) -> Array:
     """Return what `lowest_modes` returns of a dense pair, but for the vectors."""
-    mu, _, info = scipy.linalg.lapack.dsygvd(M.T, K.T, jobz="N")
-    _check(info, mu[-count:])
-    return np.asarray(1 / mu[: -count - 1 : -1])
+    _, d, e, _, _ = scipy.linalg.lapack.dsytrd(_standard(K, M)[1], lower=1)
+    return np.asarray(1 / _last(d, e, count)[::-1])
+
+
+def largest(A: Array, count: int) -> tuple[Array, Array]:
+    """Return the `count` largest eigenvalues of a dense A, ascending, all positive, and vectors.
+
+    Of symmetric A the lower triangle is read. All eigenvalues of the tridiagonal form cost less
+    than a few by bisection (`dsyevx`); vectors are found of those wanted. Raises `LinAlgError`.
+    """
+    lapack, size = scipy.linalg.lapack, len(A)
+    reflectors, d, e, scales, _ = lapack.dsytrd(A, lower=1)
+    mu = _last(d, e, count)
+    one_block = np.ones(size, dtype=np.int32)
+    z, info = lapack.dstein(d, e, mu, one_block, size * one_block)
+    _check(info, mu)
+    if size > 1:  # Householder's vectors of the lower triangle leave the first row alone
+        z[1:] = lapack.dormqr("L", "N", reflectors[1:, :-1], scales, z[1:], 64 * count)[0]
+    return mu, z
+
+
+def _standard(K: Array, M: Array) -> tuple[Array, Array]:
+    """Return L of K = L L^T, and L^-1 M L^-T.
+
+    A symmetric matrix seen by columns is the same one: nothing is copied but what is overwritten.
+    """
+    root, info = scipy.linalg.lapack.dpotrf(K.T, lower=1)
+    if info:
+        raise np.linalg.LinAlgError(f"K is not positive definite ({info})")
+    solve = scipy.linalg.blas.dtrsm
+    half = solve(1.0, root, M.T, lower=1)
+    return root, solve(1.0, root, half, side=1, lower=1, trans_a=1, overwrite_b=1)
+
+
+def _last(d: Array, e: Array, count: int) -> Array:
+    """Return the `count` largest eigenvalues of a tridiagonal matrix, ascending."""
+    every, info = scipy.linalg.lapack.dsterf(d, e)
+    mu = every[-count:]
+    _check(info, mu)
+    return np.asarray(mu)
 
 
 def _check(info: int, mu: Array) -> None:

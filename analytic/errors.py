@@ -1,6 +1,8 @@
 """The one way this bench refuses a bad argument."""
 
+import difflib
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ class InputError(ValueError):
 
     def __init__(self, argument: str, value: object, expected: str) -> None:
         super().__init__(f"{argument} = {_shown(value)}: expected {expected}")
+        self.expected = expected
 
     def __reduce__(self) -> Any:
         """Return how another process makes this error: by its sentence."""
@@ -39,6 +42,14 @@ def _shown(value: object) -> str:
         return f"a whole number of {value.bit_length()} bits"
     text = str(value) if isinstance(value, (int, float, np.number)) else repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def unknown(argument: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error of a name that is none of `known`: it says which was probably meant."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, 1)
+    meant = f"; did you mean {near[0]}?" if near else ""
+    return InputError(argument, name, f"one of {', '.join(names)}{meant}")
 
 
 def number(argument: str, value: Any, expected: str, *, positive: bool = False) -> float:

@@ -83,7 +83,8 @@ def limbs_of(axes: Array, closure: Closure) -> Limbs:
     x = _cross(axes, z)
     # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
     x /= np.sqrt((x * x).sum(axis=-1))[..., None]
-    frames = np.stack([x, _cross(z, x), z], axis=-1)
+    frames = np.empty((*x.shape, 3), dtype=x.dtype)
+    frames[..., 0], frames[..., 1], frames[..., 2] = x, _cross(z, x), z
     return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)
 
 
@@ -98,7 +99,9 @@ def _of_chains(mechanism: Mechanism, pose: Pose) -> Limbs:
     return Limbs(pose.rotation, chain_position(mechanism, pose), arms, lengths, frames)
 
 
+_NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
 def _cross(a: Array, b: Array) -> Array:
-    ax, ay, az = a[..., 0], a[..., 1], a[..., 2]
-    bx, by, bz = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=-1)
+    first = a.take(_NEXT, axis=-1) * b.take(_AFTER, axis=-1)
+    return np.asarray(first - a.take(_AFTER, axis=-1) * b.take(_NEXT, axis=-1))

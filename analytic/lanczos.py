@@ -21,6 +21,8 @@ STALLED = 1e-5
 """Residual that is taken if rounding lets it shrink no further, as with hundreds of elements."""
 ROUNDING = 1e-2
 """The same, if three blocks have not shrunk it at all: what is left is the inverse's rounding."""
+FLAT, STUCK = 1e-2, 8
+"""So many blocks that change a residual by less than this part of it will not shrink it."""
 DISTINCT = 1e-9
 """omega^2 closer than this, relative, are not told apart by the count; nor is what rounding of K
 moves, a few parts in 1e16 of the largest omega^2 of a single coordinate."""
@@ -117,13 +119,14 @@ def _block_lanczos(
     """Return mass-normalised eigenvectors of S M to its `count` largest eigenvalues, descending.
 
     `solve` applies S, symmetric and semidefinite. Every block is orthogonalised against
-    all before it; the Rayleigh-Ritz values of the whole basis are taken after each.
+    all before it; the Rayleigh-Ritz values of the whole basis are taken after each. Raises
+    `SingularError` where rounding of S leaves no hope of all.
     """
     size = M.shape[0]
     # A fixed start: the same input gives the same bits.
     W = solve(np.random.default_rng(0).standard_normal((size, block)))
     V, Z = np.empty((size, 0)), np.empty((size, 0))
-    last, still = np.inf, 0
+    last, still, flat = np.inf, 0, 0
     while True:
         W = _orthonormal(W, V, M)
         V = np.hstack([V, W])
@@ -138,6 +141,7 @@ def _block_lanczos(
         gap = Z @ y - u * mu
         residual = (np.sqrt((gap * (M @ gap)).sum(axis=0)) / mu).max()
         still = still + 1 if residual > 0.9 * last else 0
+        flat = flat + 1 if abs(residual - last) < FLAT * last else 0
         stalled = residual < STALLED and residual > last / 2
         stalled |= residual < ROUNDING and still == 3
         if len(mu) == count and (exhausted or residual <= CONVERGED or stalled):
@@ -145,6 +149,8 @@ def _block_lanczos(
             # Rayleigh's quotient would multiply by their omega^2.
             u = Z @ y
             return np.asarray(u / np.sqrt((u * (M @ u)).sum(axis=0)))
+        if flat == STUCK:
+            raise SingularError("rounding of the inverse hides its smaller eigenvalues")
         last = residual
 
 

@@ -11,11 +11,26 @@ from numpy.typing import NDArray
 from analytic.errors import InputError, count, number, vector
 from analytic.joint import Freedom, Joint, direction
 from analytic.platform import Platform
-from analytic.rod import LARGEST, SMALLEST, Body, Link, Material, Rod, Section, Vector
+from analytic.rod import (
+    DENSITY,
+    LARGEST,
+    SLENDEREST,
+    SMALLEST,
+    STIFFNESS,
+    Body,
+    Link,
+    Material,
+    Rod,
+    Section,
+    Vector,
+    has_poisson,
+    shear_range,
+)
 
 __all__ = [
-    "LARGEST", "SMALLEST", "Body", "Freedom", "Item", "Joint", "Limb", "Link", "Material",
-    "Mechanism", "Platform", "Rod", "Section", "Vector",
+    "DENSITY", "LARGEST", "MOST_LIMBS", "SLENDEREST", "SMALLEST", "STIFFNESS", "Body", "Freedom",
+    "Item", "Joint", "Limb", "Link", "Material", "Mechanism", "Platform", "Rod", "Section",
+    "Vector", "has_poisson", "shear_range",
 ]  # fmt: skip
 
 Item = Joint | Rod | Link | Body
@@ -262,6 +277,11 @@ class Mechanism:
     def simple(self) -> bool:
         """Whether all limbs are the paper's, and o is the platform's centre of mass."""
         return all(limb.simple for limb in self.limbs) and not any(self.platform.centre)
+
+    @cached_property
+    def longest(self) -> NDArray[np.float64]:
+        """The lengths up to which the limbs are answered, shape (n,) [m]."""
+        return np.array([SLENDEREST * limb.rod.diameter for limb in self.limbs])
 
     @cached_property
     def across(self) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from analytic import assembly
 from analytic.chains import Chains, chains
 from analytic.continuum import Continuum
-from analytic.eigen import hertz, lowest_modes
+from analytic.eigen import hertz, largest, lowest_modes
 from analytic.errors import InputError
 from analytic.lanczos import factor, is_sparse, lowest
 from analytic.mechanism import Mechanism
@@ -204,7 +204,7 @@ def _null_space(
         return values, N @ x
     others, held, basis = _split(C, parts.unit)
     order, a = np.concatenate([others, held]), len(others)
-    both = np.stack([K, M])[:, order[:, None], order]
+    both = np.stack([K, M]).reshape(2, -1).take(order[:, None] * len(order) + order, axis=1)
     left = both[:, :, a:] @ basis
     reduced = np.empty((2, a + basis.shape[1], a + basis.shape[1]))
     reduced[:, :a, :a], reduced[:, :a, a:] = both[:, :a, :a], left[:, :a]
@@ -226,11 +226,11 @@ def _saddle_point(
         # Multipliers in the unit of K, or elimination would mistake one for zero.
         C = C * np.diag(K).max()
         whole = np.block([[K + shift * M, C.T], [C, np.zeros((held, held))]])
-        flexibility = np.linalg.inv(whole)[:size, :size]
         L = np.linalg.cholesky(M)
-        inner = L.T @ flexibility @ L
-        mu, y = scipy.linalg.eigh(inner, subset_by_index=(size - count, size - 1), driver="evx")
-        u = scipy.linalg.solve_triangular(L.T, y[:, ::-1])
+        # M = L L^T: the flexibility's eigenvalues in L^T u.
+        inner = L.T @ np.linalg.solve(whole, np.vstack([L, np.zeros((held, size))]))[:size]
+        mu, y = largest(inner, count)
+        u, _ = scipy.linalg.lapack.dtrtrs(L, y[:, ::-1], lower=1, trans=1)
         return 1 / mu[::-1] - shift, u
     joint = scipy.sparse.csr_array(C)
     blocks: list[list[Any]] = [[K + shift * M, joint.T], [joint, None]]

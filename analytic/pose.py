@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import LARGEST, Mechanism
+from analytic.mechanism import LARGEST, SLENDEREST, Mechanism
 
 CLOSURE = 1e-9
 """How far a joint may be from closed before a pose or a model is refused [m]."""
@@ -202,18 +202,23 @@ def closure(
 def closed(mechanism: Mechanism, pose: Pose) -> Closure:
     """Return `mechanism` closed at `pose`: Eqs. (1) and (2).
 
-    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
+    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i, and for a
+    limb more slender than is answered.
     """
     found = _closure(mechanism, pose)
-    off_plane, lengths = np.abs(found.off_plane), np.linalg.norm(found.vectors, axis=-1)
-    _refuse(
-        pose,
-        off_plane > CLOSURE,
-        off_plane,
-        "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it",
-    )
-    gone = "limbs of some length, not that of A_{} of {:.1e} m"
-    _refuse(pose, lengths <= CLOSURE, lengths, gone)
+    off_plane, squares = np.abs(found.off_plane), (found.vectors * found.vectors).sum(axis=-1)
+    beside, gone = off_plane > CLOSURE, squares <= CLOSURE**2
+    if beside.any():
+        expected = "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it"
+        raise _refused(pose, beside, off_plane, expected)
+    if gone.any():
+        expected = "limbs of some length, not that of A_{} of {:.1e} m"
+        raise _refused(pose, gone, np.sqrt(squares), expected)
+    thin = squares > mechanism.longest**2
+    if thin.any():
+        expected = f"limbs of at most {SLENDEREST:g} diameters, not A_{{}}'s of {{:.1e}}"
+        slender = SLENDEREST * np.sqrt(squares) / mechanism.longest
+        raise _refused(pose, thin, slender, expected)
     return found
 
 
@@ -267,10 +272,10 @@ def one_pose(mechanism: Any, pose: Any) -> Pose:
     return single
 
 
-def _refuse(pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str) -> None:
-    if not bad.any():
-        return
+def _refused(
+    pose: Pose, bad: NDArray[np.bool_], amount: NDArray[np.float64], expected: str
+) -> InputError:
     *where, limb = (int(i) for i in np.argwhere(bad)[0])
     one = pose[tuple(where)] if where else pose
     value = f"z={one.z!r}, azimuth={one.azimuth!r}, tilt={one.tilt!r}"
-    raise InputError("pose", value, expected.format(limb + 1, amount[(*where, limb)]))
+    return InputError("pose", value, expected.format(limb + 1, amount[(*where, limb)]))

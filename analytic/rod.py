@@ -15,6 +15,13 @@ ROUNDED = 1e-12
 """A smaller relative difference of moments of inertia is rounding."""
 SMALLEST, LARGEST = 1e-9, 1e9
 """Sizes and diameters in metres that are answered: beyond, powers of them leave the numbers."""
+SLENDEREST = 5e4
+"""Most diameters of a limb's length: what bends is then 1e-11 of what stretches, and beyond, the
+last digits of assembled stiffness are rounding."""
+STIFFNESS, DENSITY = (1e-30, 1e30), (1e-30, 1e30)
+"""Moduli [Pa] and densities [kg/m^3] that are answered, for the same reason."""
+STIFFEST_SHEAR = 1e6
+"""Largest G / E: Poisson's ratio is then -1 but for 5e-7."""
 METRES = f"a positive number of metres, {SMALLEST:g} to {LARGEST:g}"
 
 
@@ -23,7 +30,8 @@ class Material:
     """A linear elastic, isotropic material.
 
     Attributes: `young` E [Pa], `shear` modulus G [Pa], `density` rho [kg/m^3].
-    Raises `InputError` unless all are positive and -1 < E / 2G - 1 < 0.5.
+    Raises `InputError` unless all are positive and -1 < E / 2G - 1 < 0.5: G is more than a third of
+    E, and less than a million times E, below which nothing is made.
     """
 
     young: float
@@ -31,17 +39,31 @@ class Material:
     density: float
 
     def __post_init__(self) -> None:
-        for name, unit in (("young", "pascals"), ("shear", "pascals"), ("density", "kg/m^3")):
-            number(f"Material.{name}", getattr(self, name), f"a positive {unit}", positive=True)
-        if not self.poisson < 0.5:
-            raise InputError(
-                "Material.shear", self.shear, f"more than a third of young = {self.young}"
-            )
+        for name, unit, (low, high) in (
+            ("young", "pascals", STIFFNESS),
+            ("shear", "pascals", STIFFNESS),
+            ("density", "kg/m^3", DENSITY),
+        ):
+            given, expected = getattr(self, name), f"a positive number of {unit}, {low} to {high}"
+            if not low <= number(f"Material.{name}", given, expected) <= high:
+                raise InputError(f"Material.{name}", given, expected)
+        if not has_poisson(self.young, self.shear):
+            raise InputError("Material.shear", self.shear, shear_range(self.young, "young"))
 
     @property
     def poisson(self) -> float:
         """Poisson's ratio, E / 2G - 1."""
         return self.young / (2 * self.shear) - 1
+
+
+def has_poisson(young: float, shear: float) -> bool:
+    """Return whether an isotropic material can have these moduli, of one unit."""
+    return young / 3 < shear < STIFFEST_SHEAR * young
+
+
+def shear_range(young: float, name: str) -> str:
+    """Return what was expected of a shear modulus beside Young's, called `name`."""
+    return f"more than a third of {name} = {young:g}, and less than {STIFFEST_SHEAR:g} times that"
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from analytic import assembly
 from analytic.chain_models import element_modes
 from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms, turning
 from analytic.eigen import hertz, lowest_modes, lowest_values, refined
-from analytic.errors import InputError
+from analytic.errors import InputError, NotCertifiedError
 from analytic.errors import count as whole
 from analytic.kinematics import Limbs, limbs_at
 from analytic.lanczos import is_sparse
@@ -161,17 +161,25 @@ def solved(
     """Return omega^2 and vectors of `solve(shift)`, refined where that is needed.
 
     `motion` turns vectors into those of the limbs' nodes; `free` as of `Chains.free_motions`.
+    Raises `NotCertifiedError` where rounding leaves nothing.
     """
+    alone = 0.0  # K by itself, unless it is too close to singular
     if free is None:
-        with suppress(np.linalg.LinAlgError):
+        try:
             values, U = solve(0.0)
             if parts.well_held(values):
                 if parts.elements <= EXACT:
                     return values, U
                 return refined(M, U, lambda u: parts.strains(motion(u)), 0, 0.0)
+        except np.linalg.LinAlgError:
+            alone = parts.limb_scale
         free = parts.free_motions()
-    values, U = solve(free[1])
-    return refined(M, U, lambda u: parts.strains(motion(u)), *free)
+    number, shift = free[0], free[1] or alone
+    try:
+        values, U = solve(shift)
+        return refined(M, U, lambda u: parts.strains(motion(u)), number, shift)
+    except np.linalg.LinAlgError:
+        raise NotCertifiedError("modes of rods so thin that K is rounding") from None
 
 
 def few(elements: int) -> int:

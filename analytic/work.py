@@ -3,9 +3,10 @@
 Floating-point operations are those of the algorithms used here, additions and multiplications
 alike, to their leading terms, for a structure of n limbs:
 
-- dense: of N coordinates, N^3 / 3 (Cholesky) + N^3 (reduction to one matrix) + 4 N^3 / 3
-  (tridiagonal form) + 3 N^2 k (k vectors back); Golub and Van Loan (2013), Sections 4.2, 8.3, 8.7,
-  and LAPACK Working Note 41. The tridiagonal problem itself is of order N k and left out.
+- dense: of N coordinates, N^3 / 3 (Cholesky) + 2 N^3 (reduction to one matrix, by two triangular
+  solutions) + 4 N^3 / 3 (tridiagonal form) + 3 N^2 k (k vectors back); Golub and Van Loan (2013),
+  Sections 4.2, 8.3, 8.7, and LAPACK Working Note 41. The tridiagonal problem itself is of order
+  N^2 and left out.
 - sparse: of a column with c entries below its pivot, 2 c^2 + c to eliminate and 2 c + 1 entries to
   store (L and U; Davis 2006, Section 4.1); then `BLOCKS` steps of block Lanczos, each with a
   solution (2 operations an entry, twice), a product with M and two orthogonalisations.
@@ -72,8 +73,8 @@ def null_space(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) 
 def saddle_point(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
     """Return the work of `Multipliers` by the saddle point: 6 (s + 1) coordinates, 8 rows a limb.
 
-    Dense, the augmented matrix is inverted (2 m^3) and one of N is made of M's factor and it
-    (2 N^3).
+    Dense, the augmented matrix is eliminated (2 m^3 / 3) and solved for the N columns of M's factor
+    (2 m^2 N), and one of N is made of both (2 N^3).
     """
     size, rows = limbs * 6 * (s + 1) + 6, 8 * limbs
     dofs = size + rows
@@ -82,8 +83,9 @@ def saddle_point(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False
         nodes = _falling(6, 6 + 5) * s + _falling(6, 5 + 3)
         reach = nodes * limbs + _falling(6, rows) + _falling(rows, 0)
         return _sparse(dofs, nonzeros, reach, count)
-    flops = 2 * dofs**3 + _dense(size, count) + size**3
-    return Work(dofs, nonzeros, 8 * (dofs**2 + 2 * size**2), flops)
+    flexibility = 2 * dofs**3 // 3 + 2 * dofs**2 * size + 2 * size**3
+    standard = size**3 // 3 + 4 * size**3 // 3 + 3 * size**2 * count
+    return Work(dofs, nonzeros, 8 * (dofs**2 + 2 * size**2), flexibility + standard)
 
 
 def condensed(limbs: int = 3, count: int = 6) -> Work:
@@ -103,7 +105,7 @@ def _falling(size: int, beyond: int) -> list[int]:
 
 
 def _dense(N: int, count: int) -> int:
-    return 8 * N**3 // 3 + 3 * N**2 * count
+    return 11 * N**3 // 3 + 3 * N**2 * count
 
 
 def _sparse(dofs: int, nonzeros: int, reach: Iterable[int], count: int) -> Work:

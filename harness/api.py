@@ -5,6 +5,7 @@ from os import PathLike, fspath
 from typing import Any
 
 from analytic import InputError
+from analytic.errors import unknown
 from harness.bench import Bench
 from harness.request import Request
 from harness.result import Result
@@ -33,7 +34,7 @@ def study(name: str, /, *, time_limit: float = LIMIT, **arguments: Any) -> Resul
     known = {*getattr(module, "TAKES", STANDARD), *options}
     for argument in arguments:
         if argument not in known:
-            raise InputError("argument", argument, f"one of {', '.join(sorted(known))}")
+            raise unknown("argument", argument, sorted(known))
     texts, objects = {}, {}
     for argument, value in arguments.items():
         if isinstance(value, (str, PathLike)):

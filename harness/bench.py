@@ -37,6 +37,10 @@ class Listener(Protocol):
         """Take in that so many more steps are to come."""
         ...
 
+    def begin(self, what: str) -> None:
+        """Take in that a step, in words, begins."""
+        ...
+
     def done(self, what: str) -> None:
         """Take in that a step, in words, is finished."""
         ...
@@ -46,6 +50,9 @@ class Silent:
     """A listener that says nothing."""
 
     def expect(self, number: int) -> None:
+        """Do nothing."""
+
+    def begin(self, what: str) -> None:
         """Do nothing."""
 
     def done(self, what: str) -> None:
@@ -144,12 +151,14 @@ class Bench:
         answers, failures = {}, {}
         for model in models:
             for case in cases:
+                step = f"{label(model)} at {case.name}"
+                self.listener.begin(step)
                 found = self.solve(model, case.mechanism, case.pose, count + SPARE)
                 if isinstance(found, Failure):
                     failures[case, model] = found.reason
                 else:
                     answers[case, model] = found
-                self.listener.done(f"{label(model)} at {case.name}")
+                self.listener.done(step)
         return Study(cases, models, count, answers, failures)
 
     def solve(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | Failure:

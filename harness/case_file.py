@@ -16,30 +16,66 @@ azimuth_deg = 10
 tilt_deg = -12
 """
 
+import re
 import tomllib
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analytic import InputError, Limb, Material, Mechanism, Platform, Rod
-from analytic.errors import number, vector
+from analytic.errors import count, number, vector
+from analytic.mechanism import (
+    DENSITY,
+    LARGEST,
+    MOST_LIMBS,
+    SMALLEST,
+    STIFFNESS,
+    has_poisson,
+    shear_range,
+)
 from harness.cases import PRESETS, Case
 from harness.chain_file import POSE, chain_mechanism, materials, read_pose, rods
+from harness.paper import CASES, folder, names, read_paper, read_table
 from reference_models import parse
 
 Table = dict[str, Any]
+UNITS = {
+    "mm": "millimetres", "deg": "degrees", "GPa": "gigapascals", "kg_m3": "kg/m^3",
+    "kg": "kilograms",
+}  # fmt: skip
+"""What the ends of keys mean."""
+DIGITS = 4300
+"""Digits of a whole number that Python reads at most."""
 
 
 def load_cases(path: Path) -> dict[str, Case]:
-    """Return the cases of `path` by name; raises `InputError` naming the key that is wrong."""
+    """Return the cases of `path` by name; raises `InputError` naming the key that is wrong.
+
+    `path`: a file, the folder of a paper, or the name of one that is shipped.
+    """
+    of = folder(str(path))
+    if of is not None:
+        cases, paper = load_cases(of / CASES), read_paper(of)
+        printed = read_table(of, list(cases))
+        return {k: replace(one, paper=paper, printed=printed[k]) for k, one in cases.items()}
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        data = tomllib.loads(text)
     except OSError as error:
         reason = error.strerror or str(error)
-        raise InputError("case_file", str(path), f"a readable file ({reason})") from None
+        shipped = f", or a paper: {', '.join(names())}"
+        raise InputError("case_file", str(path), f"a readable file ({reason}){shipped}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError("case_file", str(path), f"a TOML file ({error})") from None
+    except ValueError:
+        where = _line(text, lambda line: max(map(len, re.findall(r"[\d_]+", line)), default=0))
+        raise InputError("case_file", str(path), f"at most {DIGITS} digits in {where}") from None
+    except RecursionError:
+        where = _line(text, lambda line: line.count("[") + line.count("{"))
+        raise InputError("case_file", str(path), f"fewer brackets in {where}") from None
     _only(data, "the file", "materials", "rods", "mechanisms", "cases")
     known = rods(_tables(data, "rods"), materials(_tables(data, "materials")))
     mechanisms = {
@@ -59,6 +95,13 @@ def load_cases(path: Path) -> dict[str, Case]:
     return cases
 
 
+def _line(text: str, size: Callable[[str], int]) -> str:
+    """Return the number of the line of the largest `size`, and the key that it gives."""
+    lines = text.splitlines()
+    worst = max(range(len(lines)), key=lambda k: size(lines[k]))
+    return f"{lines[worst].partition('=')[0].strip()[:40]} of line {worst + 1}"
+
+
 def _tables(data: Table, key: str) -> dict[str, Table]:
     tables = data.get(key, {})
     if not isinstance(tables, dict) or not all(isinstance(t, dict) for t in tables.values()):
@@ -69,13 +112,24 @@ def _tables(data: Table, key: str) -> dict[str, Table]:
 def _only(table: Table, where: str, *keys: str) -> None:
     for key in table:
         if key not in keys:
-            raise InputError(where, key, f"only the keys {', '.join(keys)}")
+            raise InputError(where, key, f"only the keys {', '.join(dict.fromkeys(keys))}")
 
 
 def _get(table: Table, where: str, key: str, default: float | None = None) -> float:
+    """Return the number that `key` gives, above zero unless it may be left out or is a height."""
+    positive = default is None and key != "z_mm"
     if key not in table and default is not None:
         return default
-    return number(f"{where}.{key}", table.get(key), "a finite number")
+    unit = next(words for end, words in UNITS.items() if key.endswith(f"_{end}"))
+    expected = f"a {'positive' if positive else 'finite'} number of {unit}"
+    return number(f"{where}.{key}", table.get(key), expected, positive=positive)
+
+
+def _one_of(table: Table, where: str, key: str, default: str, names: Iterable[str]) -> str:
+    name = table.get(key, default)
+    if not isinstance(name, str) or name not in names:
+        raise InputError(f"{where}.{key}", name, f"one of {', '.join(names)}")
+    return name
 
 
 def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str) -> Case:
@@ -83,9 +137,10 @@ def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str
     _only(table, where, "mechanism", *POSE, "model", "note")
     if name in PRESETS or "," in name:
         raise InputError(where, name, "a name without commas that no built-in case has")
-    mechanism = table.get("mechanism", "paper")
-    if mechanism not in mechanisms:
-        raise InputError(f"{where}.mechanism", mechanism, f"one of {', '.join(mechanisms)}")
+    mechanism = _one_of(table, where, "mechanism", "paper", mechanisms)
+    z = table.get("z_mm", 0.0)
+    if isinstance(z, (int, float)) and abs(z) > LARGEST * 1000:
+        raise InputError(f"{where}.z_mm", z, f"at most {LARGEST * 1000:g} millimetres")
     pose = read_pose(table, where)
     note = str(table.get("note", f"{mechanism} of {source}"))
     theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
@@ -104,37 +159,59 @@ def _mechanism(table: Table, where: str) -> Mechanism:
         else ("platform_thickness_mm", "platform_radius_mm", "inertia")
     )
     _only(table, where, "young_GPa", "shear_GPa", "density_kg_m3", "rod_diameter_mm", *shape, *body)
-    material = Material(
-        _get(table, where, "young_GPa") * 1e9,
-        _get(table, where, "shear_GPa") * 1e9,
-        _get(table, where, "density_kg_m3"),
-    )
+    material = _material(table, where)
     platform = _platform(table, where, material)
     if "limb" in table:
+        limbs = table["limb"]
+        if not isinstance(limbs, list) or not limbs:
+            raise InputError(f"{where}.limb", limbs, f"tables called [[{where}.limb]]")
         return Mechanism(
-            tuple(_limb(limb, f"{where}.limb", table, material) for limb in table["limb"]), platform
+            tuple(_limb(limb, f"{where}.limb", table, material) for limb in limbs), platform
         )
-    limbs = table.get("limbs", 3)
     return Mechanism.regular(
         _get(table, where, "base_radius_mm") / 1000,
         _get(table, where, "platform_radius_mm") / 1000,
-        Rod.round(material, _get(table, where, "rod_diameter_mm") / 1000),
+        _rod(table, where, material),
         platform,
-        limbs=limbs,
+        limbs=count(f"{where}.limbs", table.get("limbs", 3), at_most=MOST_LIMBS),
         heading=float(np.radians(_get(table, where, "heading_deg", 0.0))),
     )
 
 
+def _material(table: Table, where: str) -> Material:
+    """Return the material, refused in the file's own keys and units."""
+    keys = ("young_GPa", "shear_GPa", "density_kg_m3")
+    young, shear, density = (_get(table, where, key) for key in keys)
+    for key, value, (low, high) in (
+        ("young_GPa", young, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
+        ("shear_GPa", shear, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
+        ("density_kg_m3", density, DENSITY),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"{where}.{key}", value, f"{low:g} to {high:g}")
+    if not has_poisson(young, shear):
+        raise InputError(f"{where}.shear_GPa", shear, shear_range(young, "young_GPa"))
+    return Material(young * 1e9, shear * 1e9, density)
+
+
+def _rod(table: Table, where: str, material: Material) -> Rod:
+    diameter = _get(table, where, "rod_diameter_mm")
+    if not SMALLEST <= diameter / 1000 <= LARGEST:
+        low, high = 1000 * SMALLEST, 1000 * LARGEST
+        raise InputError(f"{where}.rod_diameter_mm", diameter, f"{low:g} to {high:g} millimetres")
+    return Rod.round(material, diameter / 1000)
+
+
 def _platform(table: Table, where: str, material: Material) -> Platform:
     if "platform_mass_kg" in table:
-        return Platform(
-            _get(table, where, "platform_mass_kg"), table.get("platform_inertia_kg_m2", ())
-        )
+        key = f"{where}.platform_inertia_kg_m2"
+        mass, inertia = _get(table, where, "platform_mass_kg"), table.get("platform_inertia_kg_m2")
+        try:
+            return Platform(mass, inertia)  # type: ignore[arg-type]
+        except InputError as error:
+            raise InputError(key, inertia, error.expected) from None
     forms = {"disc": Platform.disc, "printed": Platform.as_printed}
-    form = table.get("inertia", "disc")
-    if form not in forms:
-        raise InputError(f"{where}.inertia", form, "'disc' or 'printed'")
-    return forms[form](
+    return forms[_one_of(table, where, "inertia", "disc", forms)](
         _get(table, where, "platform_radius_mm") / 1000,
         _get(table, where, "platform_thickness_mm") / 1000,
         material.density,
@@ -145,15 +222,13 @@ def _limb(limb: Any, where: str, table: Table, material: Material) -> Limb:
     if not isinstance(limb, dict):
         raise InputError(where, limb, f"tables called [[{where}]]")
     _only(limb, where, "base_mm", "axis", "platform_point_mm", "rod_diameter_mm")
-    diameter = _get({**table, **limb}, where, "rod_diameter_mm")
+    rod = _rod({**table, **limb}, where, material)
 
     def metres(key: str) -> tuple[float, float, float]:
         x, y, z = vector(f"{where}.{key}", limb.get(key), "three coordinates in millimetres")
         return x / 1000, y / 1000, z / 1000
 
-    return Limb.rps(
-        metres("base_mm"),
-        limb.get("axis", ()),
-        metres("platform_point_mm"),
-        Rod.round(material, diameter / 1000),
-    )
+    axis = vector(f"{where}.axis", limb.get("axis"), "a direction other than zero")
+    if not any(axis):
+        raise InputError(f"{where}.axis", limb["axis"], "a direction other than zero")
+    return Limb.rps(metres("base_mm"), axis, metres("platform_point_mm"), rod)

@@ -1,10 +1,12 @@
 """The named cases: a mechanism at a pose, and what of it was read, or fitted."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from analytic import InputError, Mechanism, Platform, Pose
+from analytic import Mechanism, Platform, Pose
+from analytic.errors import unknown
+from harness.paper import Paper, Printed
 from reference_models import Named
 
 
@@ -14,7 +16,8 @@ class Case:
 
     Attributes: `name`; `mechanism`; `pose`; `note`, where its numbers come from; `theory`, the
     model it is meant for; `published`, the case of the paper's Table I it stands for; `errata`,
-    the ids of the errata that explain its numbers; `title`, what a figure calls it.
+    the ids of the errata that explain its numbers; `title`, what a figure calls it. Of a published
+    table that is data: the `paper`, and what is `printed`.
     """
 
     name: str
@@ -25,16 +28,18 @@ class Case:
     published: str = ""
     errata: tuple[str, ...] = ()
     title: str = ""
+    paper: Paper | None = field(default=None, repr=False)
+    printed: tuple[Printed, ...] = field(default=(), repr=False)
 
     @property
     def heading(self) -> str:
         """The case in words, for a figure."""
-        return f"{self.name}: {self.title}" if self.title else self.name
+        return self.title or self.name
 
 
 _POSES = {  # phi, theta [deg], Section 3.3
-    "case1": (0.0, 0.0, "level platform"),
-    "case2": (10.0, -12.0, "tilted platform"),
+    "case1": (0.0, 0.0, "Case 1", "level platform"),
+    "case2": (10.0, -12.0, "Case 2", "tilted platform"),
 }
 
 
@@ -63,8 +68,9 @@ def _presets() -> dict[str, Case]:
     ]  # fmt: skip
     cases = {}
     for suffix, mechanism, z, theory, errata, note in variants:
-        for published, (azimuth, tilt, title) in _POSES.items():
+        for published, (azimuth, tilt, number, platform) in _POSES.items():
             name = published + suffix
+            title = f"{number}{suffix.replace('-', ', ', 1).replace('-', ' ')}: {platform}"
             pose = Pose(z, np.radians(azimuth), np.radians(tilt))
             cases[name] = Case(name, mechanism, pose, note, theory, published, errata, title)
     return cases
@@ -78,5 +84,5 @@ def select(names: list[str], extra: dict[str, Case]) -> list[Case]:
     known = PRESETS | extra
     for name in names:
         if name not in known:
-            raise InputError("cases", name, f"one of {', '.join(known)}")
+            raise unknown("cases", name, known)
     return [known[name] for name in dict.fromkeys(names)]

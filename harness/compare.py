@@ -1,6 +1,7 @@
 """What studies that set models beside each other share: errors, notes, and cells."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,13 +13,12 @@ from harness.bench import Study, label
 from harness.cases import Case
 from harness.tables import Number
 
+Array = NDArray[np.float64]
 PERCENT = 2
 """Decimals of an error in percent, as in Table I."""
 
 
-def relative_error(
-    theory: NDArray[np.float64], reference: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def relative_error(theory: Array, reference: Array) -> Array:
     """Return 100 (theory / reference - 1) [%], the paper's "Error (%)"; NaN against 0 Hz."""
     ours, against = np.asarray(theory, dtype=float), np.asarray(reference, dtype=float)
     ratio = np.full(np.broadcast_shapes(ours.shape, against.shape), np.nan)
@@ -26,21 +26,78 @@ def relative_error(
     return np.asarray(100 * (ratio - 1))
 
 
-def cell(value: float, digits: int = PERCENT, *, signed: bool = False) -> Number | str:
-    """Return a number as a cell; a dash for what is none, such as 0 Hz against 0 Hz."""
-    return Number(float(value), digits, signed) if np.isfinite(value) else "-"
+@dataclass(frozen=True)
+class Match:
+    """The modes of a theory beside their partners, by shape, in a reference.
+
+    Attributes: `ours`, `against` and its `uncertainty` [Hz], NaN where it states none, each of
+    shape (count,); `pairing` of the two.
+    """
+
+    ours: Array
+    against: Array
+    uncertainty: Array
+    pairing: Pairing
+
+    @property
+    def error(self) -> Array:
+        """The theory's error [%], (count,)."""
+        return relative_error(self.ours, self.against)
+
+    @property
+    def own(self) -> Array:
+        """The reference's uncertainty [%], (count,)."""
+        return relative_error(self.against + self.uncertainty, self.against)
+
+    @property
+    def odd(self) -> NDArray[np.bool_]:
+        """Which modes have a partner that their order does not suggest, or none, (count,)."""
+        return self.pairing.reordered | self.pairing.doubtful
+
+
+def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | None:
+    """Return the modes of `theory` asked for beside those of `reference`; None if either failed."""
+    pairing = study.pairing(case, theory, reference)
+    if pairing is None:
+        return None
+    ours, modes = (study.answers[case, model] for model in (theory, reference))
+    f, own = modes.frequencies, modes.uncertainty
+    own = np.full(len(f), np.nan) if own is None else own
+    place = pairing.partner
+    return Match(ours.frequencies[: study.count], f[place], own[place], pairing)
+
+
+def errors(study: Study, theory: Model, reference: Model) -> Array:
+    """Return the errors of `theory` [%], (cases, count); NaN where either failed."""
+    found = [match(study, case, theory, reference) for case in study.cases]
+    return np.array([np.full(study.count, np.nan) if m is None else m.error for m in found])
+
+
+def cell(
+    value: float, digits: int = PERCENT, *, signed: bool = False, none: str = "-"
+) -> Number | str:
+    """Return a number as a cell; `none` for what is none, such as 0 Hz against 0 Hz."""
+    return Number(float(value), digits, signed) if np.isfinite(value) else none
 
 
 def cells(
-    values: Iterable[float], digits: int = PERCENT, *, signed: bool = False
+    values: Iterable[float], digits: int = PERCENT, *, signed: bool = False, none: str = "-"
 ) -> list[Number | str]:
-    """Return numbers as cells, dashes for what is none."""
-    return [cell(value, digits, signed=signed) for value in values]
+    """Return numbers as cells, `none` for what is none."""
+    return [cell(value, digits, signed=signed, none=none) for value in values]
+
+
+def at(values: Array, shown: Sequence[int]) -> Array:
+    """Return what belongs to the mode numbers `shown` from 1, of values (..., count)."""
+    return np.asarray(values[..., np.array(shown) - 1])
 
 
 def case_notes(cases: Sequence[Case]) -> list[str]:
     """Return what was read or fitted in each case, and the errata that explain it."""
     notes = [f"{case.name}: {case.note}" for case in cases]
+    for paper in dict.fromkeys(case.paper for case in cases if case.paper is not None):
+        notes += [paper.citation, paper.note] if paper.note else [paper.citation]
+        notes += [f"{what} is printed, read as: {reading}" for _, what, reading in paper.errata]
     wanted = {key for case in cases for key in case.errata}
     return notes + [
         f"erratum {erratum.id} ({erratum.where}): {erratum.evidence}"
@@ -50,22 +107,21 @@ def case_notes(cases: Sequence[Case]) -> list[str]:
 
 
 def pairing_notes(
-    case: Case, theory: Model, reference: Model, pairing: Pairing, pick: Sequence[int]
+    study: Study, case: Case, theory: Model, reference: Model, shown: Sequence[int]
 ) -> list[str]:
     """Return a sentence for every mode whose partner is not the one its order suggests."""
-    notes = []
-    for i in pick:
-        where = f"{case.name}: mode {i + 1} of {label(theory)}"
-        seen = f"(assurance {pairing.assurance[i]:.3f})"
-        if pairing.reordered[i]:
-            other = int(pairing.partner[i]) + 1
-            notes.append(
-                f"{where} looks like mode {other} of {label(reference)} {seen}: paired by shape"
-            )
-        elif pairing.doubtful[i]:
-            notes.append(
-                f"{where} looks like no mode of {label(reference)} {seen}: its error is doubtful"
-            )
+    found, notes = match(study, case, theory, reference), []
+    if found is None:
+        return []
+    pairing = found.pairing
+    for i in (i for i in shown if found.odd[i - 1]):
+        other, end = "no mode", "its error is doubtful"
+        if pairing.reordered[i - 1]:
+            other, end = f"mode {pairing.partner[i - 1] + 1}", "paired by shape"
+        notes.append(
+            f"{case.name}: mode {i} of {label(theory)} looks like {other} of {label(reference)} "
+            f"(assurance {pairing.assurance[i - 1]:.3f}): {end}"
+        )
     return notes
 
 
@@ -93,7 +149,7 @@ def at_most(value: float) -> str:
     return f"at most {value:.2g} %" if value >= 1e-3 else percent(value)
 
 
-def span(values: NDArray[np.float64], *, signed: bool = False) -> str:
+def span(values: Array, *, signed: bool = False) -> str:
     """Return the range of some errors [%] in words; "not known" where there is none."""
     known = np.asarray(values)[np.isfinite(values)]
     if not known.size:

@@ -3,7 +3,7 @@
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,6 +26,35 @@ def own_style() -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update({"svg.hashsalt": "rps-bench", "svg.fonttype": "path"})
         yield
+
+
+def panels(
+    title: str,
+    rows: int,
+    columns: int,
+    size: tuple[float, float],
+    heads: Sequence[str] = (),
+    **how: Any,
+) -> tuple["Figure", Any]:
+    """Return a figure with `title`, and its panels (rows, columns), each of `size` in inches.
+
+    The panels of a row are called "(a) HEAD", "(b) HEAD" ... where there are `heads`.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
+    figure.suptitle(title, fontsize=10)
+    found = figure.subplots(rows, columns, squeeze=False, **how)
+    for letter, (axes, head) in enumerate(zip(found[0], heads, strict=False)):
+        axes.set_title(f"({chr(97 + letter)}) {head}", fontsize=11)
+    return figure, found
+
+
+def look(mode: int) -> dict[str, Any]:
+    """Return how curves of a mode are drawn: of two that coincide the larger marker shows."""
+    i = (mode - 1) % 6
+    return {"color": COLOURS[i], "marker": MARKERS[i], "markersize": 9 - 4 * (i % 2), "lw": 1.2,
+            "label": f"$e_{{{mode}}}$"}  # fmt: skip
 
 
 def picture(figure: "Figure", form: str) -> bytes:

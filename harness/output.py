@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.figures import figure_files, own_style
+from harness.plain import file_name
 from harness.result import Result
 from harness.tables import table_files
 
@@ -24,10 +25,10 @@ class OutputError(RuntimeError):
 
 def result_files(result: Result, stem: str) -> dict[str, bytes]:
     """Return a result's tables (.csv, .md, .tex), figures and tidy numbers as files to write."""
-    files = table_files({f"{stem}{ending}": t for ending, t in result.tables().items()})
+    files = table_files({f"{stem}{file_name(end)}": t for end, t in result.tables().items()})
     with own_style():
         for ending, figure in result.figures().items():
-            files |= figure_files(figure, f"{stem}{ending}")
+            files |= figure_files(figure, f"{stem}{file_name(ending)}")
     return files | {f"{stem}-data.csv": tidy(result.to_frame())}
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from types import ModuleType
 
 from analytic import InputError
+from analytic.errors import unknown
 from harness.bench import Bench
 from harness.plan import Plan
 from harness.request import Request
@@ -39,7 +40,7 @@ def chosen(names: Sequence[str] | None) -> list[Entry]:
     known = [entry.name for entry in STUDIES]
     for name in names or []:
         if name not in known:
-            raise InputError("only", name, f"some of {', '.join(known)}")
+            raise unknown("only", name, known)
     return [entry for entry in STUDIES if names is None or entry.name in names]
 
 

@@ -1,6 +1,6 @@
 """What every study returns: numbers as a frame, tables, figures and sentences."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.bench import Study, label
@@ -14,13 +14,20 @@ if TYPE_CHECKING:
 class Result:
     """The answer of a study; it knows no file, no command line and no page.
 
-    A subclass is a frozen dataclass. It gives `to_frame`, `tables`, and where a picture makes sense
-    `figures`; keys of the last two are endings of file names, the first of them "".
+    A subclass is a frozen dataclass, its field `study` what was solved for it. It gives `records`,
+    `tables`, and where a picture makes sense `figures`; keys of the last two are endings of file
+    names, the first of them "".
     """
 
-    def to_frame(self) -> "pd.DataFrame":
-        """Return the numbers as a tidy pandas frame: SI, units in the names of its columns."""
+    def records(self) -> Iterable[Mapping[str, Any]]:
+        """Return the numbers as tidy rows: SI, units in the names of their columns."""
         raise NotImplementedError
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return `records` as a pandas frame."""
+        import pandas as pd
+
+        return pd.DataFrame(list(self.records()))
 
     def tables(self) -> Mapping[str, Table]:
         """Return the tables by the ending of their files' names."""
@@ -36,8 +43,9 @@ class Result:
 
     @property
     def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return ()
+        """All that was solved for it: history and failures are read from here."""
+        own = getattr(self, "study", None)
+        return () if own is None else (own,)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the tidy rows that the history keeps of it."""

@@ -2,9 +2,12 @@
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from harness.plain import plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -17,11 +20,33 @@ LONGEST = 40
 """Characters of a cell that LaTeX still sets in one line."""
 PARAGRAPHS = 0.8
 """Part of LaTeX's line that all longer columns share."""
+NEEDS = r"needs \usepackage{booktabs,graphicx}"
+FLOAT = r"""%(comments)s\begin{table}
+\centering\footnotesize
+\caption{%(caption)s}
+\label{tab:%(label)s}
+\sbox0{\begin{tabular}{%(columns)s}
+\toprule
+%(head)s
+\midrule
+%(body)s
+\bottomrule
+\end{tabular}}%%
+\ifdim\wd0>\linewidth\resizebox{\linewidth}{!}{\usebox0}\else\usebox0\fi
+\end{table}
+"""
+LATEX = str.maketrans(
+    {letter: "\\" + letter for letter in "&%$#_{}"}
+    | {letter: f"{{{letter}}}" for letter in "[]*"}
+    | {letter: rf"\text{name}{{}}" for letter, name in zip(
+        "\\~^<>|", ("backslash", "asciitilde", "asciicircum", "less", "greater", "bar"),
+        strict=True)}
+)  # fmt: skip
+"""What LaTeX must be told is meant as it stands."""
 NARROW = 12
 """Characters a column of text keeps at least, however narrow the terminal."""
 GAP = 3
 """Spaces between columns."""
-BEGIN = r"\begin{tabular}"
 
 
 @dataclass(frozen=True)
@@ -54,7 +79,7 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def _text(self) -> list[list[str]]:
-        return [[_plain(str(cell)) for cell in row] for row in self.rows]
+        return [[plain(str(cell)) for cell in row] for row in self.rows]
 
     def _numeric(self) -> list[bool]:
         """Return which columns hold numbers; these are set flush right and never broken."""
@@ -77,12 +102,13 @@ class Table:
         body = f"## {self.title}\n\n{self._tabulated('github')}\n"
         return f"{body}\n{notes}" if notes else body
 
-    def latex(self) -> str:
-        """Return a booktabs tabular; title and notes are comments above it.
+    def latex(self, label: str = "table") -> str:
+        """Return a LaTeX table with its title as the caption and \\label{tab:`label`}.
 
-        Columns of text with a cell longer than `LONGEST` are paragraphs that share the line.
+        Columns of text with a cell longer than `LONGEST` are paragraphs that share the line, and
+        what is wider than the line all the same is made smaller. The notes are comments above it.
         """
-        comments = "".join(f"% {_plain(line)}\n" for line in (self.title, *self.notes))
+        comments = "".join(f"% {plain(line)}\n" for line in (NEEDS, *self.notes))
         numeric = self._numeric()
         long = [
             not numeric[k] and any(len(str(row[k])) > LONGEST for row in self.rows)
@@ -93,9 +119,17 @@ class Table:
             width if wide else "r" if flush_right else "l"
             for wide, flush_right in zip(long, numeric, strict=True)
         )
-        begin, _, body = self._tabulated("latex_booktabs").partition("\n")
-        assert begin.startswith(BEGIN), "tabulate sets the columns in its first line"
-        return f"{comments}{BEGIN}{{{columns}}}\n{body}\n"
+        head, *body = (
+            " & ".join(map(_for_latex, row)) + r" \\" for row in (self.columns, *self._text())
+        )
+        return FLOAT % {
+            "comments": comments,
+            "caption": _for_latex(plain(self.title)),
+            "label": label,
+            "columns": columns,
+            "head": head,
+            "body": "\n".join(body),
+        }
 
     def csv(self) -> str:
         """Return the cells, numbers with the digits that are significant; no title or notes."""
@@ -115,7 +149,7 @@ class Table:
 
     def files(self, stem: str) -> dict[str, bytes]:
         """Return `stem` with .csv, .md and .tex as files to write."""
-        forms = {"csv": self.csv(), "md": self.markdown(), "tex": self.latex()}
+        forms = {"csv": self.csv(), "md": self.markdown(), "tex": self.latex(stem)}
         return {f"{stem}.{suffix}": text.encode() for suffix, text in forms.items()}
 
     def terminal(self, width: int | None = None) -> "Group":
@@ -128,9 +162,9 @@ class Table:
         from rich.text import Text
 
         blocks = [self._block(block) for block in self._blocks(width)]
-        title = Text(_plain(self.title), style="bold")
+        title = Text(plain(self.title), style="bold")
         return Group(
-            title, *blocks, *(Text(f"  {_plain(note)}", style="dim") for note in self.notes)
+            title, *blocks, *(Text(f"  {plain(note)}", style="dim") for note in self.notes)
         )
 
     def width(self) -> int:
@@ -206,13 +240,13 @@ def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
     }
 
 
-def _plain(text: str) -> str:
-    """Return `text` without what would steer a terminal or break a line."""
-    return "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in text)
+def _for_latex(text: str) -> str:
+    """Return `text` for LaTeX: two hyphens are no dash, and one before a digit is a minus."""
+    return re.sub("^-(?=[0-9])", "$-$", text.translate(LATEX).replace("--", "-{}-"))
 
 
 def _harmless(cell: str | int) -> str | int:
     """Return a cell that no spreadsheet takes for a formula."""
     if isinstance(cell, str):
-        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else _plain(cell)
+        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else plain(cell)
     return cell

@@ -31,6 +31,8 @@ def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
     model = given.get("model") or default.get("model")
     theory = parse(model, "model", **shear) if model else cases[0].theory.given(**shear)
     elements = given.get("elements") or default.get("elements")
+    printed = sorted({one.mode for case in cases for one in case.printed})
+    modes = given.get("modes") or ",".join(map(str, printed)) or default["modes"]
     options = {
         option.name: None if text is None else option.parse(text)
         for option in getattr(study, "OPTIONS", ())
@@ -41,7 +43,7 @@ def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
         theory,
         tuple(models(given.get("references", default["references"]), "references", **shear)),
         tuple(numbers("elements", elements, MOST_ELEMENTS)) if elements else None,
-        tuple(numbers("modes", given.get("modes", default["modes"]), MOST_MODES)),
+        tuple(numbers("modes", modes, MOST_MODES)),
         options,
     )
 

@@ -113,16 +113,26 @@ class Spent:
 class Timed:
     """One way, timed.
 
-    Attributes: `seconds` a pose, by round; `build`, `solve`: medians of what its answers say of
-    their matrices and eigen-solutions, None for frequencies alone; `answers`, one a place: modes,
-    or frequencies of the first pose of a call.
+    Attributes: `seconds` a pose, by round; `builds`, `solves`: what its answers say of their
+    matrices and eigen-solutions, by call, empty for frequencies alone; `answers`, one a place:
+    modes, or frequencies of the first pose of a call.
     """
 
     way: Way
     seconds: Array
-    build: float | None
-    solve: float | None
+    builds: Array
+    solves: Array
     answers: tuple[Modes | Array, ...]
+
+    @property
+    def build(self) -> float | None:
+        """The median time of the matrices [s]; None for frequencies alone."""
+        return float(np.median(self.builds)) if self.builds.size else None
+
+    @property
+    def solve(self) -> float | None:
+        """The median time of the eigen-solution [s]; None for frequencies alone."""
+        return float(np.median(self.solves)) if self.solves.size else None
 
     @property
     def median(self) -> float:
@@ -201,8 +211,8 @@ class _Running:
         return Timed(
             self.way,
             np.array(list(self.samples.values())) / many,
-            float(np.median(self.builds)) if self.builds else None,
-            float(np.median(self.solves)) if self.solves else None,
+            np.array(self.builds),
+            np.array(self.solves),
             answers,
         )
 

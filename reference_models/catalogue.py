@@ -5,7 +5,6 @@ that is called with `elements` and settings, with `info()` beside it. Any instal
 one.
 """
 
-import difflib
 import inspect
 import re
 import sys
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
+from analytic.errors import InputError, unknown
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
@@ -200,9 +199,7 @@ def known(name: str, argument: str) -> EntryPoint:
     """Return where `name` is, or raise `InputError` with the names there are."""
     points = _points(tuple(sys.path))
     if name not in points:
-        near = difflib.get_close_matches(name, points, 1)
-        meant = f"; did you mean {near[0]}?" if near else ""
-        raise InputError(argument, name, f"one of {', '.join(sorted(points))}{meant}")
+        raise unknown(argument, name, sorted(points))
     return points[name]
 
 

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
 from harness.cli.reproduce import LATEST
 from harness.cli.terminal import Bar, show_tables
+from harness.plain import plain
 
 if TYPE_CHECKING:
     from harness.bench import Bench
@@ -20,8 +22,6 @@ if TYPE_CHECKING:
     from harness.gate.report import Report
     from harness.gate.timing_watch import Timing
 
-ACCEPTED = "results/accepted"
-BASELINE = f"{ACCEPTED}/baseline"
 FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
 """What --output writes, by the option that writes it elsewhere."""
 
@@ -33,8 +33,8 @@ def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
         flags.history(),
         click.option("--quick", is_flag=True, help="Without solids, which take seconds a pose."),
         flags.option("models", "A,B", "These models only, by name."),
-        flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE} without "
-                     "--case-file, where a folder of your own is needed."),
+        flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE}, or the "
+                     "release's; with --case-file a folder of your own is needed."),
         flags.option("case_file", *flags.FLAGS["case_file"]),
     ):  # fmt: skip
         command = option(command)
@@ -66,6 +66,7 @@ def check(
     from harness.bench import Bench
     from harness.gate.report import FORMS
     from harness.output import check_file, write_all
+    from harness.report.page import renewed
 
     files = {form: texts.pop(form) for form in FILES}
     if compare is not None:
@@ -80,6 +81,8 @@ def check(
         report, _ = _look(plan, known, bench, history)
     for form, path in targets:
         write_all(path.parent, {path.name: FORMS[form](report)})
+    if output is not None:
+        write_all(output, renewed(output, history))
     _display(report)
     for _, path in targets:
         click.echo(f"wrote {path}")
@@ -126,7 +129,7 @@ def accept(
             new, refused = None, flags.dashed(str(error))
     if new is None:
         _display(report)
-        click.echo(f"rps-bench: {refused}", err=True)
+        click.echo(f"rps-bench: {plain(refused)}", err=True)
         return 1
     save(folder, new)
     if shown:
@@ -148,6 +151,7 @@ def _asked(
     Raises `InputError` naming the argument that is wrong, before anything is solved.
     """
     from analytic import InputError
+    from harness.accepted import baseline as usual
     from harness.gate.files import load
     from harness.gate.plan import standard
     from harness.output import check_folder
@@ -158,7 +162,7 @@ def _asked(
     if baseline is None and case_file is not None:
         expected = "a folder for the figures of your own cases, or none"
         raise InputError("baseline", baseline, expected)
-    text = BASELINE if baseline is None else baseline
+    text = (BASELINE if new else str(usual())) if baseline is None else baseline
     folder = None if text == "none" else check_folder(text, "baseline")
     known = None if folder is None else load(folder)
     if known is None and folder is not None and not new:
@@ -201,7 +205,7 @@ def _display(report: "Report") -> None:
     show_tables(*(tables[ending] for ending in ("", "-findings") if ending in tables))
     outcome, *notes = report.sentences()
     for line in (*notes, outcome):
-        click.echo(line)
+        click.echo(plain(line))
 
 
 def _compare(text: str, models: str | None, output: Path | None, limit: float) -> int:

@@ -2,7 +2,7 @@
 
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from click.core import ParameterSource
 
 FLAGS = {
     "cases": ("CASE,CASE", "Cases by name; default case1,case2, or all of --case-file."),
-    "case_file": ("FILE", "TOML file with mechanisms and cases of your own."),
+    "case_file": ("FILE", "TOML file with mechanisms and cases of your own, or a paper's folder."),
     "references": (
         "A,B",
         "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate; usual, or all.",
@@ -36,7 +36,46 @@ def flag(name: str) -> str:
 def option(name: str, metavar: str, text: str, **more: Any) -> Callable[..., Any]:
     """Return click's decorator for an argument that is handed over as text."""
     _known.add(name)
+    if name in NAMES:
+        more["shell_complete"] = _completed
     return click.option(flag(name), name, metavar=metavar, help=text, **more)
+
+
+def _completed(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
+    """Return how the last of the names `typed`, separated by commas, may go on."""
+    head, comma, last = typed.rpartition(",")
+    known = NAMES[parameter.name or ""](context.params.get("case_file"))
+    return [f"{head}{comma}{name}" for name in known if name.startswith(last)]
+
+
+def _cases(file: str | None) -> Iterable[str]:
+    from harness.case_file import load_cases
+    from harness.cases import PRESETS
+
+    return [*PRESETS, *(load_cases(Path(file)) if file else ())]
+
+
+def _models(_file: str | None) -> Iterable[str]:
+    from reference_models import catalogue
+
+    return [name for name, _ in catalogue()]
+
+
+def _references(file: str | None) -> Iterable[str]:
+    return ["usual", "all", *_models(file)]
+
+
+def _studies(_file: str | None) -> Iterable[str]:
+    from harness.studies import STUDIES
+
+    return [entry.name for entry in STUDIES]
+
+
+NAMES: dict[str, Callable[[str | None], Iterable[str]]] = {
+    "cases": _cases, "case": _cases, "model": _models, "models": _models, "against": _models,
+    "references": _references, "only": _studies,
+}  # fmt: skip
+"""Arguments whose names a shell can complete: of a case file too, if it was typed before."""
 
 
 def standard(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -87,7 +126,7 @@ def time_limit() -> Callable[..., Any]:
 
 def dashed(sentence: str) -> str:
     """Return an error's sentence with the argument that it names as it is typed."""
-    name = re.match(r"\w+", sentence)
+    name = re.match(r"\w+(?![\w.])", sentence)
     if name and name[0] in _known:
         return flag(name[0]) + sentence[name.end() :]
     return sentence

@@ -10,6 +10,7 @@ from importlib import import_module
 import click
 
 from harness.cli.flags import dashed
+from harness.plain import plain
 from harness.studies import STUDIES
 from harness.threads import one_thread
 
@@ -26,6 +27,9 @@ OTHERS = {
     "check": ("check:check", "Check what moved since the accepted figures, and what must hold."),
     "history": ("history:history", "List, filter, query and export the runs so far."),
     "dashboard": ("dashboard:dashboard", "Make the page anew from the last run and the history."),
+    "new": ("new:new", "Write a commented template: case, mechanism, model, study or paper."),
+    "export": ("export:export", "Write a case as input files for a simulator of your own."),
+    "verify": ("verify:verify", "Tell a model's author what of it fails, and how."),
     "models": ("lists:models", "List every model: its theory, version, and whether it can run."),
     "cases": ("lists:cases", "List every case: its pose, and what of it was read or fitted."),
 }
@@ -107,7 +111,7 @@ def main() -> None:
 
 
 def _say(sentence: str) -> None:
-    click.echo(f"rps-bench: {sentence}", err=True)
+    click.echo(f"rps-bench: {plain(sentence)}", err=True)
 
 
 def _is_sentence(error: Exception) -> bool:

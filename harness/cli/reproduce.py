@@ -23,25 +23,25 @@ def reproduce(
     from harness import reproduce as job
     from harness.bench import Bench
     from harness.output import result_files, write_all
-    from harness.report.page import page_files
+    from harness.report.page import load_check, page_files
     from harness.text import plan, split
 
     asked = plan(texts)
     entries = job.chosen(None if only is None else split("only", only))
     parts, written = [], 0
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        bar.expect(len(entries))
-        for part in job.reproduce(entries, asked, bench):
-            files: dict[str, bytes] = {}
-            for stem, result in part.results.items():
-                files |= result_files(result, stem)
-            written += len(write_all(output, files))
-            parts.append(part)
-            bar.done(part.entry.title)
+        for k, entry in enumerate(entries, 1):
+            bar.part(f"{k} of {len(entries)}, {entry.title}")
+            for part in job.reproduce([entry], asked, bench):
+                files: dict[str, bytes] = {}
+                for stem, result in part.results.items():
+                    files |= result_files(result, stem)
+                written += len(write_all(output, files))
+                parts.append(part)
     results = {stem: result for part in parts for stem, result in part.results.items()}
     kept = finish(results, None, history)
     last = job.summaries(asked, parts)
-    last |= page_files(asked, parts, history, flags.as_typed(without=("only",)))
+    last |= page_files(asked, parts, history, flags.as_typed(without=("only",)), load_check(output))
     written += len(write_all(output, last))
     click.echo(job.short(parts), nl=False)
     click.echo(f"{written} files in {output}/; start with {output / 'index.html'}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from harness.cli.flags import as_typed
+from harness.plain import plain
 
 if TYPE_CHECKING:
     from harness.result import Result
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Bar:
-    """A progress bar on the terminal's error stream: what runs, and how long it will take."""
+    """A progress bar on the terminal's error stream: what runs, for how long, and how long yet."""
 
     def __init__(self) -> None:
         from rich.console import Console
@@ -26,30 +27,42 @@ class Bar:
             MofNCompleteColumn,
             Progress,
             TextColumn,
+            TimeElapsedColumn,
             TimeRemainingColumn,
         )
 
         console = Console(stderr=True)
         self._bar = Progress(
-            TextColumn("{task.description:40.40}", markup=False),
-            BarColumn(),
+            TextColumn("{task.description:60.60}", markup=False),
+            BarColumn(20),
             MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left:"),
             TimeRemainingColumn(),
             console=console,
             transient=True,
             disable=not console.is_terminal,
         )
         self._task = self._bar.add_task("starting", total=0)
-        self._total = 0
+        self._total, self._part = 0, ""
+
+    def part(self, what: str) -> None:
+        """Take in that another part begins, whose steps are counted anew."""
+        self._total, self._part = 0, f"{what}: "
+        self._bar.reset(self._task, total=0, description=what)
 
     def expect(self, number: int) -> None:
         """Take in that so many more steps are to come."""
         self._total += number
         self._bar.update(self._task, total=self._total)
 
+    def begin(self, what: str) -> None:
+        """Take in that a step begins."""
+        self._bar.update(self._task, description=plain(self._part + what))
+
     def done(self, what: str, steps: int = 1) -> None:
         """Take in that a step is finished, or several."""
-        self._bar.update(self._task, advance=steps, description=what)
+        self._bar.update(self._task, advance=steps, description=plain(self._part + what))
 
     def __enter__(self) -> Self:
         self._bar.start()
@@ -70,9 +83,9 @@ class Written:
     def say(self) -> int:
         """Name files and failures; return the exit status. Raises why the history is not kept."""
         for path in self.paths:
-            click.echo(f"wrote {path}")
+            click.echo(f"wrote {plain(str(path))}")
         for what, why in self.failures.items():
-            click.echo(f"rps-bench: {what} failed: {why}", err=True)
+            click.echo(f"rps-bench: {plain(f'{what} failed: {why}')}", err=True)
         if self.unwritten is not None:
             raise self.unwritten
         return 1 if self.failures else 0
@@ -124,7 +137,7 @@ def show(results: Mapping[str, "Result"]) -> None:
     for result in results.values():
         show_tables(*result.tables().values())
         for line in result.sentences():
-            click.echo(f"- {line}")
+            click.echo(f"- {plain(line)}")
 
 
 def show_tables(*tables: "Table") -> None:

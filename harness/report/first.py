@@ -9,6 +9,7 @@ from harness.report import pictures
 from harness.report.material import Material
 from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
+from harness.studies.claims.data import MANY
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
 
@@ -31,14 +32,31 @@ def section(run: Material, fig3: Json | None) -> Section:
     context = {
         "paper": paper,
         "heading": f"{what}, checked against independent simulators",
-        "finding": causes(table.study, table.theories[0]) if table else [],
+        "finding": _finding(table) if table else [],
         "answers": _answers(run, table if paper else None),
-        "verdicts": [{"kind": n, "count": counts[n]} for n in VERDICTS if counts[n]],
+        "verdicts": [
+            {"kind": n, "count": counts[n], "said": n if counts[n] == 1 else MANY.get(n, n)}
+            for n in VERDICTS
+            if counts[n]
+        ],
         "mechanism": pictures.mechanism(cases[0]),
         "fig3": pictures.fig3(fig3) if fig3 else None,
         "gate": None,
     }
     return Section(KEY, "The result", "Result", run.command, context)
+
+
+def _finding(table: TableOne) -> list[Json]:
+    """Return what elements and theory cost, each behind the question that it answers."""
+    theory, limit = table.theories[0], table.theories[0].limit()
+    of_theory = [] if limit is None else causes(table.study, limit)
+    of_elements = [line for line in causes(table.study, theory) if line not in of_theory]
+    number = theory.elements
+    enough = "Is one element enough?" if number == 1 else f"Are {number} elements a limb enough?"
+    return [
+        *({"question": enough, "said": line} for line in of_elements),
+        *({"question": "What does beam theory cost?", "said": line} for line in of_theory),
+    ]
 
 
 def _answers(run: Material, printed: TableOne | None) -> list[Json]:

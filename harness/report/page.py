@@ -36,14 +36,26 @@ COMMAND = "rps-bench reproduce"
 
 
 def page_files(
-    plan: Plan, parts: Sequence[Part], history: Path | None, command: str = COMMAND
+    plan: Plan,
+    parts: Sequence[Part],
+    history: Path | None,
+    command: str = COMMAND,
+    check: Json | None = None,
 ) -> dict[str, bytes]:
     """Return the page of a run and page.json, as files to write.
 
-    `history`: the folder of the history, None for none; `command` that made the run.
+    `history`: the folder of the history, None for none; `command` that made the run; `check`: the
+    gate's last answer.
     """
     text = json.dumps(content(plan, parts, command), separators=(",", ":"), allow_nan=False)
-    return {PAGE: _rendered(json.loads(text), history, None), FILE: text.encode()}
+    return {PAGE: _rendered(json.loads(text), history, check), FILE: text.encode()}
+
+
+def renewed(results: Path, history: Path | None) -> dict[str, bytes]:
+    """Return the page of the run in `results` with the gate's last answer; {} if there is none."""
+    if not (results / FILE).is_file():
+        return {}
+    return {PAGE: render(load(results), history, load_check(results))}
 
 
 def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
@@ -123,8 +135,6 @@ def _html(sections: Sequence[Section], ledger: Ledger) -> str:
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    # Infinities and NaN are no JSON: better no page than one that does not open.
-    environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     environment.filters |= {
         "pairs": lambda names: [(name, name) for name in names],
         "numbered": lambda names: list(enumerate(names)),
@@ -139,22 +149,31 @@ def _html(sections: Sequence[Section], ledger: Ledger) -> str:
         parts.append({"section": one, "body": body})
     files = [f"{one.key}.js" for one in sections if not one.missing]
     scripts = [_source(environment, name) for name in ("page.js", *files) if name in known]
-    script = "\n".join([*scripts, "library().then(watch);"])
+    script = "\n".join(["(async () => {", *scripts, "await library();", "watch();", "})();"])
+    # Infinities and NaN are no JSON: better no page than one that does not open.
+    data = json.dumps(
+        {"ledger": ledger.records} | {one.key: one.data for one in sections},
+        separators=(",", ":"), allow_nan=False,
+    )  # fmt: skip
     start, plotly = _source(environment, "start.js"), get_plotlyjs()
     return environment.get_template("page.html").render(
         parts=parts,
-        ledger=ledger.records,
         version=__version__,
         start=Markup(start),
         script=Markup(script),
         allowed=" ".join(f"'sha256-{_hash(text)}'" for text in (start, script, plotly)),
-        plotly=b64encode(compress(plotly.encode(), mtime=0)).decode(),
+        data=_packed(data),
+        plotly=_packed(plotly),
     )
 
 
 def _source(environment: Environment, name: str) -> str:
     assert environment.loader is not None, "it was given above"
     return environment.loader.get_source(environment, name)[0].strip()
+
+
+def _packed(text: str) -> str:
+    return b64encode(compress(text.encode(), mtime=0)).decode()
 
 
 def _hash(script: str) -> str:

@@ -1,6 +1,5 @@
 """Pictures that need no script, as coordinates: a mechanism at a pose, Fig. 3 with its floor."""
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -8,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.cases import Case
+from harness.drawing import drawn, seen
 from harness.report.section import Json
-from harness.report.shapes import geometry
 
 Array = NDArray[np.float64]
-TURN, HEIGHT = math.radians(-62), math.radians(20)
-"""From where a mechanism is looked at."""
 WIDE, HIGH = 320.0, 260.0
 """Size of the drawing of a mechanism."""
 PANEL = {"width": 380.0, "height": 300.0, "left": 34.0, "right": 130.0, "top": 28.0, "bottom": 40.0}
@@ -25,31 +22,23 @@ PANELS = 2
 
 def mechanism(case: Case) -> Json:
     """Return the mechanism of a case at its pose as seen from the front: lines and outlines."""
-    there = geometry(case)
-    bases, tips = there["bases"], there["tips"]
-    turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
-    edge = np.column_stack([np.cos(turns), np.sin(turns)]) @ there["axes"]
-    disc = there["centre"] + there["radius"] * edge
-    away, up = math.cos(HEIGHT), math.sin(HEIGHT)
-    front = np.array([math.cos(TURN), math.sin(TURN), 0.0])
-    plane = np.array([[-front[1], front[0], 0.0], [-up * front[0], -up * front[1], away]]).T
-    flat = np.concatenate([bases, tips, disc]) @ plane
+    there = drawn(case.mechanism, case.pose)
+    n = len(there.bases)
+    points = np.concatenate([there.bases, there.tips, there.centre + there.rim()])
+    flat, near = seen(points)
     low, high = flat.min(axis=0), flat.max(axis=0)
     scale = np.min((np.array([WIDE, HIGH]) - [110, 60]) / (high - low))
-    drawn = (flat - (low + high) / 2) * scale * [1, -1] + np.array([WIDE, HIGH]) / 2
-    ground, ends, platform = np.split(np.round(drawn, 1), [len(bases), 2 * len(bases)])
+    placed = (flat - (low + high) / 2) * scale * [1, -1] + np.array([WIDE, HIGH]) / 2
+    ground, ends, platform = (part.tolist() for part in np.split(np.round(placed, 1), [n, 2 * n]))
+    widths = np.round(2 * there.rods * scale, 1).tolist()
     return {
         "width": WIDE,
         "height": HIGH,
-        "base": ground.tolist(),
-        "platform": platform.tolist(),
+        "base": ground,
+        "platform": platform,
         "limbs": [
-            {
-                "from": ground[k].tolist(),
-                "to": ends[k].tolist(),
-                "width": round(float(2 * there["rods"][k] * scale), 1),
-            }
-            for k in np.argsort((bases + tips) @ front)
+            {"from": ground[k], "to": ends[k], "width": widths[k]}
+            for k in np.argsort(near[:n] + near[n : 2 * n])
         ],
         "caption": case.heading,
     }

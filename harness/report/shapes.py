@@ -4,15 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from analytic import limbs_at, position
 from analytic.model import Model
 from harness.bench import label
 from harness.cases import Case
+from harness.drawing import AMPLITUDE, drawn, scale
 from harness.report.material import Material
 from harness.report.section import Json, Section, digits
-
-AMPLITUDE = 0.2
-"""Largest displacement drawn, relative to the mean limb length."""
 
 
 def section(run: Material) -> Section | None:
@@ -26,8 +23,9 @@ def section(run: Material) -> Section | None:
         ])  # fmt: skip
         models = [model for model in wanted if (case, model) in run.answers]
         if models:
+            there = drawn(case.mechanism, case.pose)
             data[case.name] = {
-                **{name: _rounded(value) for name, value in geometry(case).items()},
+                **{name: _rounded(value) for name, value in vars(there).items()},
                 "models": {label(model): _model(run, case, model) for model in models},
             }
     if not data:
@@ -42,27 +40,13 @@ def section(run: Material) -> Section | None:
     return Section("shapes", "Mode shapes", "Shapes", command, context, data)
 
 
-def geometry(case: Case) -> dict[str, Any]:
-    """Return the undeformed mechanism [m]: limbs from `bases` to `tips`, the disc's two axes."""
-    limbs, bases = limbs_at(case.mechanism, case.pose), case.mechanism.bases
-    return {
-        "bases": bases,
-        "tips": bases + limbs.lengths[:, None] * limbs.frames[:, :, 2],
-        "rods": [limb.rod.diameter / 2 for limb in case.mechanism.limbs],
-        "centre": np.asarray(position(case.mechanism, case.pose)),
-        "axes": case.pose.rotation.T[:2],
-        "radius": float(np.linalg.norm(case.mechanism.platform_points, axis=1).max()),
-    }
-
-
 def _model(run: Material, case: Case, model: Model) -> Json:
     modes = run.answers[case, model].first(max(run.plan.shown))
-    length = limbs_at(case.mechanism, case.pose).lengths.mean()
-    scale = AMPLITUDE * length / np.maximum(np.abs(modes.limbs).max(axis=(1, 2, 3)), 1e-12)
+    enlarged = scale(drawn(case.mechanism, case.pose), modes.limbs)
     return {
         "f": digits(modes.frequencies),
-        "platform": _rounded(scale[:, None] * modes.platform),
-        "limbs": _rounded(scale[:, None, None, None] * modes.limbs),
+        "platform": _rounded(enlarged[:, None] * modes.platform),
+        "limbs": _rounded(enlarged[:, None, None, None] * modes.limbs),
         "record": run.record(case, model),
     }
 

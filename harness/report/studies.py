@@ -23,7 +23,7 @@ MEANING = {
     "shear": "exact Rayleigh less exact Timoshenko",
 }
 OTHERS = {
-    "refine": "Order and limit", "slenderness": "Slenderness", "cost": "Cost",
+    "refine": "Limits", "slenderness": "Slenderness", "cost": "Cost",
     "identify": "Identification",
 }  # fmt: skip
 """Studies without a picture of their own, and what the navigation calls them."""
@@ -119,7 +119,7 @@ def work(run: Material) -> Section | None:
         "cases": ", ".join(case.name for case in found.cases),
     }
     title = "Work and precision"
-    return Section("work-precision", title, title, run.only("work-precision"), context, data)
+    return Section("work-precision", title, "Precision", run.only("work-precision"), context, data)
 
 
 def _point(run: Material, found: WorkPrecision, point: Point) -> Json:

@@ -52,7 +52,7 @@ STUDIES = (
           "Order, limit and uncertainty of every model"),
     Entry("budget", "harness.studies.budget",
           "Split the error into its causes: elements, rotary inertia, shear and what remains.",
-          "Error budget"),
+          "Error budget", lead=0),
     Entry("slenderness", "harness.studies.slenderness",
           "Compare beam theories with solids as rods grow stout.", "Slenderness"),
     Entry("shapes", "harness.studies.shapes",
@@ -78,6 +78,6 @@ def find(name: str) -> Entry:
     for entry in STUDIES:
         if entry.name == name:
             return entry
-    from analytic import InputError
+    from analytic.errors import unknown
 
-    raise InputError("study", name, f"one of {', '.join(entry.name for entry in STUDIES)}")
+    raise unknown("study", name, [entry.name for entry in STUDIES])

@@ -1,32 +1,38 @@
 """The error, split into its causes: parts that add up to the paper's one "error (%)"."""
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError
-from analytic.model import Model
-from analytic.pairing import pair
 from analytic.theory import BEAMS
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.causes import effects, exact_chain
-from harness.compare import at_most, case_notes, cells, failure_notes, pairing_notes, span
-from harness.figures import COLOURS, MARKERS
+from harness.compare import (
+    at,
+    at_most,
+    case_notes,
+    cells,
+    failure_notes,
+    match,
+    pairing_notes,
+    span,
+)
+from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Request
 from harness.result import Result
-from harness.studies.refinement import Ladder, ladder, verified
-from harness.tables import Cell, Number, Table
+from harness.studies.refinement import Ladder, Verification, ladder, verified
+from harness.tables import Cell, Table
 from reference_models import Named, parse
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -37,123 +43,177 @@ ELEMENTS = "number of elements"
 
 @dataclass(frozen=True)
 class Budget(Result):
-    """Error of a theory with s elements against a reference, in parts.
+    """Error of `theory` with s `elements` against `reference`, in parts.
 
-    Attributes:
-        study: behind it.
-        theory: whatever its elements.
-        reference: what the error is against.
-        elements: s.
-        parts: their names in order.
-        shares: by case, shape (len(elements), len(parts), count) [percentage points of the
-            reference's frequency], whose sum over the parts is the error; NaN against 0 Hz.
-        bands: by case and simulator on the way, the reference last, its GCI, shape (count,) [%];
-            NaN where it has no three meshes.
-        shown: mode numbers from 1.
-        notes: what must be known of the numbers.
+    A part is 100 (f_a - f_b) / f_reference between neighbours of a chain: theory with s elements,
+    theory without, each richer beam theory without, the reference without its assumption,
+    reference. Every mode is followed by its shape. `study` behind it; `shown`: mode numbers from 1.
     """
 
     study: Study
     theory: Named
     reference: Named
     elements: tuple[int, ...]
-    parts: tuple[str, ...]
-    shares: Mapping[Case, Array]
-    bands: Mapping[Case, Mapping[Named, Array]]
     shown: tuple[int, ...]
-    notes: tuple[str, ...]
+
+    @cached_property
+    def chain(self) -> tuple[Named, ...]:
+        """The steps after the theory with elements: exact models, then `simulators`."""
+        return (*exact_chain(self.theory), *self.simulators)
+
+    @cached_property
+    def simulators(self) -> tuple[Named, ...]:
+        """The last of the chain."""
+        return solids(self.reference)
+
+    @cached_property
+    def discrete(self) -> tuple[Named, ...]:
+        """The theory with each number of elements."""
+        return tuple(replace(self.theory, elements=s) for s in self.elements)
+
+    @cached_property
+    def ladders(self) -> dict[Named, Ladder]:
+        """The meshes of those simulators that have three."""
+        return {model: steps for model in self.simulators if (steps := meshes(model))}
 
     @property
-    def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return (self.study,)
+    def parts(self) -> tuple[str, ...]:
+        """What each step of the chain is called."""
+        exact = list(self.chain[: -len(self.simulators)])
+        richest = BEAMS[exact[-1].name] if exact else "theory"
+        last = [f"{richest} to reference"]
+        if len(self.simulators) > 1:
+            last = ["three-dimensional effects", self.reference.info().assumption]
+        return (*((ELEMENTS,) if exact else ()), *effects(exact), *last)
 
-    def to_frame(self) -> "pd.DataFrame":
+    @cached_property
+    def shares(self) -> dict[Case, Array]:
+        """Parts by case, (len(elements), parts, count) [points of the reference's frequency].
+
+        Their sum over the parts is the error; NaN against 0 Hz. Of cases without a failure.
+        """
+        cases = self.study.complete(*self.chain, *self.discrete)
+        return {
+            case: np.array([self._shares(case, mesh) for mesh in self.discrete]) for case in cases
+        }
+
+    def _shares(self, case: Case, mesh: Named) -> Array:
+        found = [match(self.study, case, mesh, model) for model in self.chain]
+        values = np.array([one.against for one in found if one])
+        steps = -100 * np.diff([self.study.answers[case, mesh].first(self.study.count).frequencies,
+                                *values], axis=0)  # fmt: skip
+        nothing = np.full_like(steps, np.nan)
+        return np.asarray(np.divide(steps, values[-1], out=nothing, where=values[-1] != 0))
+
+    @cached_property
+    def seen(self) -> dict[Case, dict[Named, list[Verification | None]]]:
+        """What the simulators' meshes say by case and simulator, in the theory's order of modes."""
+        known = {model: verified(self.study, steps) for model, steps in self.ladders.items()}
+        found: dict[Case, dict[Named, list[Verification | None]]] = {}
+        for case in self.shares:
+            own = found.setdefault(case, {})
+            for model in self.simulators:
+                steps = self.ladders.get(model, ())
+                pairing = steps and self.study.pairing(case, self.discrete[-1], steps[-1])
+                partner = pairing.partner.tolist() if pairing else [-1] * self.study.count
+                own[model] = [known[model].get((case, i + 1)) if pairing else None for i in partner]
+        return found
+
+    @cached_property
+    def bands(self) -> dict[Case, dict[Named, Array]]:
+        """The GCI of every simulator by case, (count,) [%]; NaN where it has no three meshes."""
+        return {
+            case: {m: np.array([s.band if s else np.nan for s in seen]) for m, seen in own.items()}
+            for case, own in self.seen.items()
+        }
+
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, s, mode and part, and the reference's own GCI."""
-        import pandas as pd
-
-        return pd.DataFrame([
-            {
-                "case": case.name,
-                "theory": self.theory.name,
-                "reference": self.reference.label,
-                "elements": s,
-                "mode": i,
-                "part": part,
-                "share_percent": table[k, p, i - 1],
-                "reference_gci_percent": self.bands[case][self.reference][i - 1],
-            }
-            for case, table in self.shares.items()
-            for k, s in enumerate(self.elements)
-            for i in self.shown
-            for p, part in enumerate(self.parts)
-        ])  # fmt: skip
+        for case, shares in self.shares.items():
+            for s, table in zip(self.elements, shares, strict=True):
+                for i in self.shown:
+                    for part, share in zip(self.parts, table, strict=True):
+                        yield {
+                            "case": case.name, "theory": self.theory.name,
+                            "reference": self.reference.label, "elements": s, "mode": i,
+                            "part": part, "share_percent": share[i - 1],
+                            "reference_gci_percent": self.bands[case][self.reference][i - 1],
+                        }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the parts, their sum and the reference's own GCI, in percentage points."""
-        pick = [i - 1 for i in self.shown]
         rows: list[tuple[Cell, ...]] = []
         for case, shares in self.shares.items():
             for s, table in zip(self.elements, shares, strict=True):
-                for part, share in zip(self.parts, table, strict=True):
-                    rows.append((case.name, s, part, *cells(share[pick], 3, signed=True)))
-                total = table.sum(axis=0)
-                rows.append((case.name, s, "total error", *cells(total[pick], 3, signed=True)))
+                every = (*zip(self.parts, table, strict=True), ("total error", table.sum(axis=0)))
+                for part, share in every:
+                    rows.append((case.name, s, part, *cells(at(share, self.shown), 3, signed=True)))
             for model, own in self.bands[case].items():
-                known = ["not known" if np.isnan(b) else Number(float(b), 3) for b in own[pick]]
+                known = cells(at(own, self.shown), 3, none="not known")
                 whose = "reference's" if model == self.reference else f"{model.label}'s"
                 rows.append((case.name, "", f"{whose} own GCI, +-", *known))
-        title = f"Error of {self.theory.name}@s against {self.reference.label}, by cause [points]"
-        notes = (*self.notes, *case_notes(self.study.cases))
-        columns = ("Case", "s", "Part", *(f"f{i}" for i in self.shown))
-        return {"": Table(title, columns, tuple(rows), notes)}
+        return {"": Table(
+            f"Error of {self.theory.name}@s against {self.reference.label}, by cause [points]",
+            ("Case", "s", "Part", *(f"f{i}" for i in self.shown)),
+            tuple(rows),
+            (*self._notes(), *failure_notes(self.study), *case_notes(self.study.cases)),
+        )}  # fmt: skip
+
+    def _notes(self) -> Iterator[str]:
+        if len(self.simulators) > 1:
+            without, name = self.simulators[0].name, self.reference.name
+            yield f"{self.reference.info().assumption}: {without} is without, {name} has it"
+        for case in self.shares:
+            for mesh in self.discrete:
+                yield from pairing_notes(self.study, case, mesh, self.reference, self.shown)
+            for model, seen in self.seen[case].items():
+                remarks: dict[str, list[str]] = {}
+                for i in self.shown:
+                    one = seen[i - 1]
+                    if one and one.remark:
+                        remarks.setdefault(one.remark, []).append(f"f{i}")
+                for remark, modes in remarks.items():
+                    yield f"{case.name}: GCI of {model.label}: {', '.join(modes)} {remark}"
+        for model, steps in self.ladders.items():
+            numbers = ", ".join(str(mesh.elements) for mesh in steps)
+            yield f"GCI of {model.label}: grid convergence index from {numbers} elements"
 
     def figures(self) -> "dict[str, Figure]":
-        """Return the bars, and Fig. 3 with the floor that no number of elements can cross."""
-        if not self.shares:
-            return {}
-        return {"": budget_figure(self), "-floor": floor_figure(self)}
+        """Return the parts as stacked bars."""
+        return {"": budget_figure(self)} if self.shares else {}
 
     def sentences(self) -> list[str]:
         """Return the range of each part over cases, with the paper's number of elements."""
         if not self.shares or PAPER_ELEMENTS not in self.elements:
             return []
         k = self.elements.index(PAPER_ELEMENTS)
-        pick = np.array(self.shown) - 1
-        shares = np.array([table[k][:, pick] for table in self.shares.values()])
         # The paper's modes come in two kinds: the platform moves, or the limbs bend.
-        halves = {
-            _modes(self.shown, half): shares[:, :, half]
-            for half in (np.array(self.shown) <= 3, np.array(self.shown) > 3)
-            if half.any()
-        }
+        halves = [[i for i in self.shown if (i <= 3) == low] for low in (True, False)]
+        known = {
+            f"f{half[0]}" if len(half) == 1 else f"f{half[0]}-f{half[-1]}": at(
+                np.array([table[k] for table in self.shares.values()]), half
+            )
+            for half in halves if half
+        }  # fmt: skip
         parts = "; ".join(
-            part
-            + " "
-            + " and ".join(f"{span(of[:, p], signed=True)} on {on}" for on, of in halves.items())
+            f"{part} "
+            + " and ".join(f"{span(v[:, p], signed=True)} on {on}" for on, v in known.items())
             for p, part in enumerate(self.parts)
         )
-        ours = replace(self.theory, elements=PAPER_ELEMENTS).label
-        own = np.array([bands[self.reference][pick] for bands in self.bands.values()])
-        known = "not known" if np.isnan(own).any() else at_most(float(own.max()))
+        own = at(np.array([bands[self.reference] for bands in self.bands.values()]), self.shown)
+        said = "not known" if np.isnan(own).any() else at_most(float(own.max()))
+        ours = self.discrete[k].label
         return [
             f"{ours} against {self.reference.label}, by cause: {parts}. The reference's own GCI: "
-            f"{known}."
+            f"{said}."
         ]
 
 
-def _modes(shown: Sequence[int], which: NDArray[np.bool_]) -> str:
-    found = np.array(shown)[which]
-    return f"f{found[0]}" if len(found) == 1 else f"f{found[0]}-f{found[-1]}"
-
-
-def solids(reference: Named) -> list[Named]:
+def solids(reference: Named) -> tuple[Named, ...]:
     """Return the reference without its assumption where that can run, then the reference."""
-    info = reference.info()
-    if not info.relaxed:
-        return [reference]
-    relaxed = parse(info.relaxed, "reference")
-    return [reference] if relaxed.info().missing else [relaxed, reference]
+    relaxed = reference.info().relaxed
+    without = [parse(relaxed, "reference")] if relaxed else []
+    return (*(one for one in without if not one.info().missing), reference)
 
 
 def meshes(model: Named) -> Ladder:
@@ -170,88 +230,14 @@ def meshes(model: Named) -> Ladder:
         return ()
 
 
-def budget(
-    cases: Sequence[Case],
-    theory: Named,
-    elements: Sequence[int],
-    reference: Named,
-    shown: Sequence[int],
-    bench: Bench,
-) -> Budget:
-    """Return the budget of `theory` with each of `elements` against `reference`.
-
-    A part is 100 (f_a - f_b) / f_reference between neighbours of the chain: theory with s elements,
-    theory without, each richer beam theory without, the reference without its assumption,
-    reference. Every mode is followed by its shape.
-    """
-    chain, simulators = exact_chain(theory), solids(reference)
-    discrete = [replace(theory, elements=s) for s in elements]
-    ladders = {model: steps for model in simulators if (steps := meshes(model))}
-    refined = [mesh for steps in ladders.values() for mesh in steps]
-    study = bench.run(cases, [*simulators, *chain, *discrete, *refined], max(shown))
-    shares, bands, notes = {}, {}, []
-    seen = {model: verified(study, steps) for model, steps in ladders.items()}
-    for case in study.complete(*simulators, *chain, *discrete):
-        shares[case] = np.array([
-            _shares(study, case, [mesh, *chain, *simulators]) for mesh in discrete
-        ])  # fmt: skip
-        for mesh in discrete:
-            pairing = study.pairing(case, mesh, reference)
-            assert pairing is not None, "both have an answer"
-            notes += pairing_notes(case, mesh, reference, pairing, [i - 1 for i in shown])
-        bands[case] = {model: np.full(study.count, math.nan) for model in simulators}
-        for model, steps in ladders.items():
-            pairing = study.pairing(case, discrete[-1], steps[-1])
-            remarks: dict[str, list[str]] = {}
-            for i, partner in enumerate(() if pairing is None else pairing.partner.tolist()):
-                one = seen[model].get((case, partner + 1))
-                if one is None:
-                    continue
-                bands[case][model][i] = one.band
-                if one.say.remark and i + 1 in shown:
-                    remarks.setdefault(one.say.remark, []).append(f"f{i + 1}")
-            notes += [
-                f"{case.name}: GCI of {model.label}: {', '.join(modes)} {remark}"
-                for remark, modes in remarks.items()
-            ]
-    for model, steps in ladders.items():
-        numbers = ", ".join(str(mesh.elements) for mesh in steps)
-        notes.append(f"GCI of {model.label}: grid convergence index from {numbers} elements")
-    if len(simulators) > 1:
-        notes.insert(
-            0, f"{reference.info().assumption}: {simulators[0].name} is without, {reference.name} "
-            "has it",
-        )  # fmt: skip
-    return Budget(
-        study, theory, reference, tuple(elements), _parts(chain, simulators), shares, bands,
-        tuple(shown), (*notes, *failure_notes(study)),
-    )  # fmt: skip
-
-
-def _parts(chain: list[Named], simulators: list[Named]) -> tuple[str, ...]:
-    """Return what each step of the chain is called."""
-    richest = BEAMS[chain[-1].name] if chain else "theory"
-    last = [f"{richest} to reference"]
-    if len(simulators) > 1:
-        last = ["three-dimensional effects", simulators[-1].info().assumption]
-    return (*((ELEMENTS,) if chain else ()), *effects(chain), *last)
-
-
-def _shares(study: Study, case: Case, chain: Sequence[Model]) -> Array:
-    """Return the steps down the chain, (len(chain) - 1, count) [% of its last frequency]."""
-    start = study.answers[case, chain[0]].first(study.count)
-    values = [start.frequencies]
-    for model in chain[1:]:
-        modes = study.answers[case, model]
-        values.append(modes.frequencies[pair(start, modes, case.mechanism, case.pose).partner])
-    steps = -100 * np.diff(np.array(values), axis=0)
-    return np.divide(steps, values[-1], out=np.full_like(steps, np.nan), where=values[-1] != 0)
-
-
 def run(request: Request, bench: Bench) -> Budget:
     """Return the budget of the theory against the first reference: parts add up to the error."""
-    theory, reference = request.theory, request.references[0]
-    return budget(request.cases, theory, request.steps, reference, request.shown, bench)
+    theory, reference, elements = request.theory, request.references[0], request.steps
+    discrete = [replace(theory, elements=s) for s in elements]
+    refined = [mesh for model in solids(reference) for mesh in meshes(model)]
+    models = [*solids(reference), *exact_chain(theory), *discrete, *refined]
+    study = bench.run(request.cases, models, request.count)
+    return Budget(study, theory, reference, elements, request.shown)
 
 
 def jobs(plan: Plan) -> dict[str, Request]:
@@ -265,63 +251,37 @@ def jobs(plan: Plan) -> dict[str, Request]:
 
 
 def budget_figure(result: Budget) -> "Figure":
-    """Return stacked bars, one a mode and s; a panel a case. The line is the reference's GCI."""
-    from matplotlib.figure import Figure
-
-    pick, shown = [i - 1 for i in result.shown], result.shown
-    figure = Figure(figsize=(6.4 * len(result.shares), 4.2), layout="constrained")
-    panels = figure.subplots(1, len(result.shares), squeeze=False, sharey=True)[0]
-    width = 0.8 / len(result.elements)
-    for letter, (axes, (case, shares)) in enumerate(
-        zip(panels, result.shares.items(), strict=True)
-    ):
-        known = np.nan_to_num(shares[:, :, pick])
-        for k, table in enumerate(known):
-            where = np.arange(len(shown)) + (k - (len(result.elements) - 1) / 2) * width
-            up, down = np.zeros(len(shown)), np.zeros(len(shown))
+    """Return stacked bars, one a mode and s, a panel a case; a mark with its value is the total."""
+    title = (
+        f"Error of {result.theory.name} with s elements a limb against {result.reference.label}, "
+        "by cause"
+    )
+    heads = [case.heading for case in result.shares]
+    figure, (row,) = panels(title, 1, len(heads), (6.8, 4.6), heads, sharey=True)
+    width, place = 0.84 / len(result.elements), np.arange(len(result.shown))
+    for axes, (case, shares) in zip(row, result.shares.items(), strict=True):
+        own = at(result.bands[case][result.reference], result.shown)
+        ticks: list[float] = []
+        for k, table in enumerate(np.nan_to_num(at(shares, result.shown))):
+            where, total = place + (k - (len(result.elements) - 1) / 2) * width, table.sum(axis=0)
+            up, down = np.zeros(len(place)), np.zeros(len(place))
             for p, (part, share) in enumerate(zip(result.parts, table, strict=True)):
-                bottom = np.where(share >= 0, up, down)
-                axes.bar(where, share, 0.9 * width, bottom=bottom, color=COLOURS[p],
-                         label=part if k == 0 else None)  # fmt: skip
+                axes.bar(where, share, 0.9 * width, bottom=np.where(share >= 0, up, down),
+                         color=COLOURS[p], label=part if k == 0 else None)  # fmt: skip
                 up, down = up + np.maximum(share, 0), down + np.minimum(share, 0)
-            for x, top in zip(where, up, strict=True):
-                axes.annotate(f"{result.elements[k]}", (x, top), xytext=(0, 2), ha="center",
+            axes.errorbar(where, total, own, fmt="D", ms=4.5, color="black", mec="white", mew=0.7,
+                          elinewidth=0.8, capsize=2, label="total" if k == 0 else None)  # fmt: skip
+            for x, top, value in zip(where, np.maximum(up, total), total, strict=True):
+                axes.annotate(f"{value:+.2f}", (x, top), xytext=(0, 5), ha="center", rotation=90,
                               textcoords="offset points", fontsize=7)  # fmt: skip
-        own = result.bands[case][result.reference][pick]
-        axes.errorbar(where + 0.75 * width, known[-1].sum(axis=0), own, fmt="none", ecolor="0.3",
-                      capsize=2)  # fmt: skip
-        axes.set_xticks(range(len(shown)), [f"$f_{{{i}}}$" for i in shown])
-        axes.set_title(f"({chr(97 + letter)}) {case.name}", fontsize=11)
+            ticks += where.tolist()
+        names = np.repeat(result.elements, len(place))
+        axes.set_xticks(ticks, [f"{s}" for s in names], minor=True, fontsize=7)
+        axes.set_xticks(place, [f"$f_{{{i}}}$" for i in result.shown])
+        axes.tick_params(axis="x", which="major", length=0, pad=13)
+        axes.set_xlabel("under each bar: s; whiskers: the reference's own GCI", fontsize=8)
         axes.axhline(0, color="0.4", lw=0.8)
-    panels[0].set_ylabel("share of the error [percentage points]")
-    panels[0].legend(fontsize=8, loc="upper left")
-    figure.suptitle(
-        f"{result.theory.name}@s against {result.reference.label}; on each bar: s; "
-        "beside it: the reference's own GCI", fontsize=10,
-    )  # fmt: skip
-    return figure
-
-
-def floor_figure(result: Budget) -> "Figure":
-    """Return Fig. 3 again, with the floor of each mode that no number of elements can cross."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(5.2 * len(result.shares), 4.2), layout="constrained")
-    panels = figure.subplots(1, len(result.shares), squeeze=False, sharey=True)[0]
-    for letter, (axes, (case, table)) in enumerate(zip(panels, result.shares.items(), strict=True)):
-        for i in result.shown:
-            style = {"color": COLOURS[(i - 1) % 6], "lw": 1.2}
-            axes.plot(result.elements, table.sum(axis=1)[:, i - 1], marker=MARKERS[(i - 1) % 6],
-                      markersize=9 - 4 * ((i - 1) % 2), label=f"$e_{i}$", **style)  # fmt: skip
-            axes.axhline(table[-1, 1:, i - 1].sum(), ls="--", alpha=0.6, **style)
-        axes.set_xlabel("number of elements $s$")
-        axes.set_xticks(result.elements)
-        axes.set_title(f"({chr(97 + letter)}) {case.name}", fontsize=11)
-        axes.grid(alpha=0.25)
-    panels[0].set_ylabel("relative error [%]")
-    panels[-1].legend(fontsize=9)
-    figure.suptitle(
-        f"{result.theory.name}@s against {result.reference.label}; dashed: the floor, without "
-        "elements", fontsize=10,
-    )  # fmt: skip
+        axes.margins(y=0.12)
+    row[0].set_ylabel("share of the error [percentage points]")
+    row[0].legend(fontsize=8, loc="upper left")
     return figure

@@ -1,33 +1,31 @@
 """Mode shapes, as in Figs. 4-5: limbs as tubes, the platform as a disc, beside a reference."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at, position
+from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.cases import Case
-from harness.compare import failure_notes
+from harness.compare import Match, at, failure_notes, match
+from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
+from harness.figures import COLOURS
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Table
 from reference_models import Named
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 Array = NDArray[np.float64]
 OUTPUT = "shapes"
-AMPLITUDE = 0.2
-"""Largest displacement drawn, relative to the mean limb length."""
-_RING = np.linspace(0, 2 * np.pi, 33)
 
 
 @dataclass(frozen=True)
@@ -39,50 +37,33 @@ class Shapes(Result):
     references: tuple[Named, ...]
     shown: tuple[int, ...]
 
-    @property
-    def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return (self.study,)
+    def _pairs(self) -> Iterator[tuple[Case, Named, Match]]:
+        for case in self.study.cases:
+            for reference in self.references:
+                found = match(self.study, case, self.theory, reference)
+                if found is not None:
+                    yield case, reference, found
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, reference and pair of modes: the assurance of the two."""
-        import pandas as pd
-
-        return pd.DataFrame([
-            {
-                "case": case.name,
-                "theory": self.theory.label,
-                "reference": reference.label,
-                "mode": i,
-                "reference_mode": j + 1,
-                "assurance": float(value),
-                "partner": j == pairing.partner[i - 1],
-            }
-            for case in self.study.cases
-            for reference in self.references
-            if (pairing := self.study.pairing(case, self.theory, reference)) is not None
-            for i in self.shown
-            for j, value in enumerate(pairing.matrix[i - 1])
-        ])  # fmt: skip
+        for case, reference, found in self._pairs():
+            for i in self.shown:
+                for j, value in enumerate(found.pairing.matrix[i - 1].tolist()):
+                    yield {
+                        "case": case.name, "theory": self.theory.label,
+                        "reference": reference.label, "mode": i, "reference_mode": j + 1,
+                        "assurance": value, "partner": j == found.pairing.partner[i - 1],
+                    }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return each mode's partner in every reference, and how alike the two are."""
-        rows: list[tuple[Cell, ...]] = []
-        for case in self.study.cases:
-            for reference in self.references:
-                ours, theirs = self.study.get(case, self.theory), self.study.get(case, reference)
-                pairing = self.study.pairing(case, self.theory, reference)
-                if ours is None or theirs is None or pairing is None:
-                    continue
-                for i in self.shown:
-                    j = int(pairing.partner[i - 1])
-                    rows.append((
-                        case.name, reference.label, f"f{i}",
-                        Number(float(ours.frequencies[i - 1])), f"f{j + 1}",
-                        Number(float(theirs.frequencies[j])),
-                        Number(float(pairing.assurance[i - 1]), 4),
-                        "looks like no mode of the reference" if pairing.doubtful[i - 1] else "",
-                    ))  # fmt: skip
+        rows = tuple(
+            (case.name, reference.label, f"f{i}", Number(float(found.ours[i - 1])),
+             f"f{found.pairing.partner[i - 1] + 1}", Number(float(found.against[i - 1])),
+             Number(float(found.pairing.assurance[i - 1]), 4),
+             "looks like no mode of the reference" if found.pairing.doubtful[i - 1] else "")
+            for case, reference, found in self._pairs() for i in self.shown
+        )  # fmt: skip
         columns = ("Case", "Reference", "Mode", "f [Hz]", "Partner", "its f [Hz]", "Assurance",
                    "Remark")  # fmt: skip
         notes = (
@@ -92,34 +73,28 @@ class Shapes(Result):
             *failure_notes(self.study),
         )
         title = f"Mode shapes of {self.theory.label} and their partners"
-        return {"": Table(title, columns, tuple(rows), notes)}
+        return {"": Table(title, columns, rows, notes)}
 
     def figures(self) -> "dict[str, Figure]":
         """Return the modes of every case, and the assurance of every mode against every one."""
-        models = (self.theory, *self.references)
-        found = {
-            f"-{case.name}": shapes_figure(self.study, case, models, self.shown)
-            for case in self.study.cases
-        }
-        for case in self.study.cases:
-            for reference in self.references:
-                matrix = assurance_figure(self.study, case, self.theory, reference, self.shown)
-                if matrix is not None:
-                    found[f"-assurance-{case.name}-{reference.label}"] = matrix
-        return found
+        drawn = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
+        return drawn | {
+            f"-assurance-{case.name}-{reference.label}":
+            assurance_figure(self, f"{case.name}: assurance (mass-weighted)", reference, found)
+            for case, reference, found in self._pairs()
+        }  # fmt: skip
 
     def sentences(self) -> list[str]:
         """Return the smallest assurance of a mode with its partner, reference by reference."""
-        lines, pick = [], [i - 1 for i in self.shown]
-        for reference in self.references:
-            pairings = [self.study.pairing(c, self.theory, reference) for c in self.study.cases]
-            least = [float(p.assurance[pick].min()) for p in pairings if p is not None]
-            if least:
-                lines.append(
-                    f"Every mode of {self.theory.label} has its partner in {reference.label} with "
-                    f"an assurance of at least {min(least):.4f}."
-                )
-        return lines
+        least: dict[Named, float] = {}
+        for _, reference, found in self._pairs():
+            own = float(at(found.pairing.assurance, self.shown).min())
+            least[reference] = min(least.get(reference, 1.0), own)
+        return [
+            f"Every mode of {self.theory.label} has its partner in {reference.label} with an "
+            f"assurance of at least {least[reference]:.4f}."
+            for reference in self.references if reference in least
+        ]  # fmt: skip
 
 
 def run(request: Request, bench: Bench) -> Shapes:
@@ -168,87 +143,66 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
     return Turned(theirs.frequencies[place], platform, limbs)
 
 
-def shapes_figure(
-    study: Study, case: Case, models: Sequence[Named], shown: Sequence[int]
-) -> "Figure":
-    """Return one row of pictures a model, one column a mode; the undeformed shape is faint."""
+def shapes_figure(result: Shapes, case: Case) -> "Figure":
+    """Return one row of pictures a model, one column a mode, all of one size and view."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(2.5 * len(shown), 3.0 * len(models) + 0.4), layout="constrained")
-    panels = figure.subplots(
-        len(models), len(shown), squeeze=False, subplot_kw={"projection": "3d"}
-    )
-    for row, (model, strip) in enumerate(zip(models, panels, strict=True)):
-        modes = study.get(case, model) if row == 0 else aligned(study, case, models[0], model)
+    models, shown = (result.theory, *result.references), result.shown
+    there = drawn(case.mechanism, case.pose)
+    figure = Figure(figsize=(2.1 * len(shown) + 0.3, 2.2 * len(models) + 0.7), layout="constrained")
+    grid = figure.subplots(len(models), len(shown), squeeze=False, sharex=True, sharey=True)
+    for k, (model, strip) in enumerate(zip(models, grid, strict=True)):
+        modes: Modes | Turned | None = result.study.get(case, model)
+        if k:
+            modes = aligned(result.study, case, result.theory, model)
         for i, axes in zip(shown, strip, strict=True):
-            axes.set_axis_off()
+            axes.set(aspect="equal", xticks=[], yticks=[])
+            axes.spines[:].set_visible(False)
             if modes is None:
                 axes.set_title("failed", fontsize=9)
                 continue
-            draw_mode(axes, case.mechanism, case.pose, modes, i - 1)
+            draw_mode(axes, there, modes, i - 1)
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
-        strip[0].text2D(-0.02, 0.5, model.label, transform=strip[0].transAxes, rotation=90,
-                        va="center", ha="right", fontsize=9)  # fmt: skip
+        strip[0].set_ylabel(model.label, fontsize=9)
     figure.suptitle(
-        f"Mode shapes of {case.name}; the largest displacement is drawn as {AMPLITUDE:g} of the "
-        "mean limb length", fontsize=11,
+        f"Mode shapes, {case.heading}. The largest displacement is drawn as {AMPLITUDE:g} of the "
+        "mean limb length; dashed: at rest.", fontsize=11,
     )  # fmt: skip
     return figure
 
 
-def draw_mode(
-    axes: "Axes3D", mechanism: Mechanism, pose: Pose, modes: Modes | Turned, i: int
-) -> None:
-    """Draw mode `i` over the undeformed mechanism."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None:
+    """Draw mode `i` over the outline of the mechanism at rest; what is nearer hides what is not."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
 
-    limbs = limbs_at(mechanism, pose)
-    o, R = position(mechanism, pose), pose.rotation
-    scale = AMPLITUDE * limbs.lengths.mean() / np.abs(modes.limbs[i]).max(initial=1e-12)
-    shift, spin = scale * modes.platform[i, :3], scale * modes.platform[i, 3:]
-    for k, limb in enumerate(mechanism.limbs):
-        frame, base = limbs.frames[k], np.array(limb.base)
-        line = base + STATIONS[:, None] * limbs.lengths[k] * frame[:, 2]
-        for points, colour, alpha in (
-            (line, "0.6", 0.25), (line + scale * modes.limbs[i, k], "#0072B2", 1.0)
-        ):  # fmt: skip
-            x, y, z = tube(points, frame, limb.rod.diameter / 2)
-            # As a picture within the drawing: a page of vectors has a hundred thousand faces.
-            axes.plot_surface(x, y, z, color=colour, alpha=alpha, linewidth=0, shade=alpha == 1,
-                              rasterized=True)  # fmt: skip
-    radius = np.linalg.norm(mechanism.platform_points, axis=1).max()
-    arms = radius * np.stack([np.cos(_RING), np.sin(_RING), 0 * _RING], axis=1) @ R.T
-    for points, colour, alpha in (
-        (o + arms, "0.6", 0.25), (o + shift + arms + np.cross(spin, arms), "#E69F00", 0.8)
-    ):  # fmt: skip
-        axes.add_collection3d(Poly3DCollection([points], facecolor=colour, alpha=alpha, lw=0))
-    reach = 1.05 * max(float(np.abs(mechanism.bases[:, :2]).max()), float(o[2]) / 2)
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), zlim=(0, 1.05 * o[2] + 0.1 * reach))
-    axes.set_box_aspect((2 * reach, 2 * reach, 1.05 * o[2] + 0.1 * reach), zoom=1.2)
-    axes.view_init(elev=18, azim=-60)
+    enlarged = float(scale(there, modes.limbs[i]))
+    surfaces = there.surfaces(enlarged * modes.platform[i], enlarged * modes.limbs[i])
+    found = [faces(surface) for surface in surfaces]
+    tints = [COLOURS[0]] * (len(found) - 1) + [COLOURS[1]]
+    corners, near, light = (np.concatenate(part) for part in zip(*found, strict=True))
+    near[-len(found[-1][1]) :] += there.rods.max()  # the platform lies on the ends of the rods
+    own = np.repeat([to_rgb(tint) for tint in tints], [len(one[1]) for one in found], axis=0)
+    order = near.argsort()
+    colours = (own * (0.55 + 0.45 * light[:, None]))[order]
+    # As a picture within the drawing: a page of vectors has a hundred thousand faces.
+    axes.add_collection(PolyCollection([*corners[order]], facecolors=colours, edgecolors=colours,
+                                       linewidths=0.3, rasterized=True, zorder=2))  # fmt: skip
+    ground = np.concatenate([there.bases, there.bases[:1]])
+    axes.plot(*seen(ground)[0].T, color="0.6", lw=1, zorder=1)
+    for line in (*there.limbs(), there.centre + there.rim()):
+        axes.plot(*seen(line)[0].T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=3)
+    axes.autoscale_view()
 
 
-def tube(points: Array, frame: Array, radius: float) -> tuple[Array, Array, Array]:
-    """Return x, y, z of a tube of `radius` around `points` (k, 3), each (k, 33)."""
-    ring = np.cos(_RING)[:, None] * frame[:, 0] + np.sin(_RING)[:, None] * frame[:, 1]
-    surface = points[:, None] + radius * ring
-    return surface[..., 0], surface[..., 1], surface[..., 2]
-
-
-def assurance_figure(
-    study: Study, case: Case, theory: Named, reference: Named, shown: Sequence[int]
-) -> "Figure | None":
-    """Return the assurance criterion of every mode against every one, or None where one failed."""
+def assurance_figure(result: Shapes, title: str, reference: Named, found: Match) -> "Figure":
+    """Return the assurance criterion of every mode against every one."""
     from matplotlib.figure import Figure
 
-    pairing = study.pairing(case, theory, reference)
-    if pairing is None:
-        return None
-    matrix = pairing.matrix[[i - 1 for i in shown]]
-    figure = Figure(
-        figsize=(1 + 0.55 * matrix.shape[1], 1.2 + 0.5 * len(shown)), layout="constrained"
-    )
+    matrix, shown = found.pairing.matrix[[i - 1 for i in result.shown]], result.shown
+    size = (1 + 0.55 * matrix.shape[1], 1.2 + 0.5 * len(shown))
+    figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots()
     image = axes.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
     for (i, j), value in np.ndenumerate(matrix):
@@ -256,7 +210,7 @@ def assurance_figure(
                   color="white" if value > 0.6 else "0.3")  # fmt: skip
     axes.set_xticks(range(matrix.shape[1]), [f"{j + 1}" for j in range(matrix.shape[1])])
     axes.set_yticks(range(len(shown)), [f"{i}" for i in shown])
-    axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {theory.label}")
-    axes.set_title(f"{case.name}: assurance (mass-weighted)", fontsize=10)
+    axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {result.theory.label}")
+    axes.set_title(title, fontsize=10)
     figure.colorbar(image, shrink=0.8)
     return figure

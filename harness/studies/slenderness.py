@@ -1,8 +1,9 @@
 """How beam theory fares as rods grow stout: Euler-Bernoulli and Timoshenko against a reference."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,8 @@ from analytic import Mechanism, Rod, limbs_at
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.causes import THEORIES, exact
-from harness.compare import cells, failure_notes, percent, relative_error
-from harness.figures import COLOURS, MARKERS
+from harness.compare import at, cells, failure_notes, match
+from harness.figures import look, panels
 from harness.plan import Plan
 from harness.presets import SOLIDS, quick
 from harness.request import Request
@@ -21,7 +22,6 @@ from harness.tables import Cell, Number, Table
 from reference_models import Named
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -33,78 +33,98 @@ RATIOS = (0.05, 0.1, 0.15, 0.2)
 
 @dataclass(frozen=True)
 class Slenderness(Result):
-    """Errors of exact beam `theories` against `reference` as d/L grows.
+    """Exact beam `theories` against `reference` as d/L grows: `cases` with rods of all `ratios`.
 
-    `errors` by case and theory, shape (len(ratios), count) [%], NaN where the reference failed or
-    stands at 0 Hz; `uncertainty` of the reference by case, the same shape [%]; `study` behind
-    them; `shown`: mode numbers from 1.
+    `study` behind the numbers; `shown`: mode numbers from 1.
     """
 
+    cases: tuple[Case, ...]
     ratios: tuple[float, ...]
     theories: tuple[Named, ...]
     reference: Named
-    errors: Mapping[tuple[Case, Named], Array]
-    uncertainty: Mapping[Case, Array]
     study: Study
     shown: tuple[int, ...]
 
-    @property
-    def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return (self.study,)
+    def _by_ratio(self, case: Case, theory: Named, what: str) -> Array:
+        """Return `what` of a `Match` at each d/L, (len(ratios), count) [%], NaN where none is."""
+        found = [match(self.study, with_rods(case, r), theory, self.reference) for r in self.ratios]
+        nothing = np.full(self.study.count, np.nan)
+        return np.array([nothing if m is None else getattr(m, what) for m in found])
 
-    def to_frame(self) -> "pd.DataFrame":
+    @cached_property
+    def errors(self) -> dict[tuple[Case, Named], Array]:
+        """By case and theory, (len(ratios), count) [%]; NaN without an answer, or at 0 Hz."""
+        return {(c, t): self._by_ratio(c, t, "error") for c in self.cases for t in self.theories}
+
+    @cached_property
+    def uncertainty(self) -> dict[Case, Array]:
+        """The reference's own by case, (len(ratios), count) [%]."""
+        return {case: self._by_ratio(case, self.theories[-1], "own") for case in self.cases}
+
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, theory, d/L and mode."""
-        import pandas as pd
-
-        return pd.DataFrame([
-            {
-                "case": case.name,
-                "theory": theory.name,
-                "reference": self.reference.label,
-                "diameter_over_length": ratio,
-                "mode": i,
-                "error_percent": errors[k, i - 1],
-                "reference_uncertainty_percent": self.uncertainty[case][k, i - 1],
-            }
-            for (case, theory), errors in self.errors.items()
-            for k, ratio in enumerate(self.ratios)
-            for i in self.shown
-        ])  # fmt: skip
+        for (case, theory), found in self.errors.items():
+            for k, ratio in enumerate(self.ratios):
+                for i in self.shown:
+                    yield {
+                        "case": case.name, "theory": theory.name,
+                        "reference": self.reference.label, "diameter_over_length": ratio,
+                        "mode": i, "error_percent": found[k, i - 1],
+                        "reference_uncertainty_percent": self.uncertainty[case][k, i - 1],
+                    }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the errors [%] of the theories and the reference's own uncertainty at each d/L."""
-        pick = [i - 1 for i in self.shown]
         rows: list[tuple[Cell, ...]] = []
-        for case, uncertainty in self.uncertainty.items():
+        for case in self.cases:
             for k, ratio in enumerate(self.ratios):
                 for theory in self.theories:
-                    found = cells(self.errors[case, theory][k][pick], 3, signed=True)
+                    found = cells(at(self.errors[case, theory][k], self.shown), 3, signed=True)
                     rows.append((case.name, Number(ratio, 3), theory.name, *found))
-                own = ["not known" if np.isnan(x) else Number(x, 3) for x in uncertainty[k][pick]]
+                own = cells(at(self.uncertainty[case][k], self.shown), 3, none="not known")
                 rows.append((case.name, Number(ratio, 3), "reference's own, +-", *own))
-        notes = [
-            "d is set for all limbs from their mean length; the theories are without elements",
-            *failure_notes(self.study),
-        ]
-        title = f"Beam theory against {self.reference.label} as d/L grows [%]"
-        columns = ("Case", "d/L", "", *(f"e{i}" for i in self.shown))
-        return {"": Table(title, columns, tuple(rows), tuple(notes))}
+        about = "d is set for all limbs from their mean length; the theories are without elements"
+        return {"": Table(
+            f"Beam theory against {self.reference.label} as d/L grows [%]",
+            ("Case", "d/L", "", *(f"e{i}" for i in self.shown)),
+            tuple(rows),
+            (about, *failure_notes(self.study)),
+        )}  # fmt: skip
 
     def figures(self) -> "dict[str, Figure]":
         """Return error against d/L: a row of panels a theory, a column a case."""
-        return {"": slenderness_figure(self)}
+        title = f"Beam theory without elements against {self.reference.label}"
+        size = len(self.theories), len(self.cases)
+        figure, grid = panels(title, *size, (4.6, 3.4), sharex=True)
+        for theory, row in zip(self.theories, grid, strict=True):
+            for case, axes in zip(self.cases, row, strict=True):
+                for i in self.shown:
+                    axes.errorbar(
+                        self.ratios, self.errors[case, theory][:, i - 1],
+                        np.nan_to_num(self.uncertainty[case][:, i - 1]), capsize=2, **look(i),
+                    )  # fmt: skip
+                axes.axhline(0, color="0.4", lw=0.8)
+                axes.grid(alpha=0.25)
+                axes.set_title(f"{theory.name}, {case.heading}", fontsize=10)
+                axes.set_xticks(self.ratios)
+            row[0].set_ylabel("error [%]")
+        for axes in grid[-1]:
+            axes.set_xlabel("$d / L$")
+        grid[0][0].legend(fontsize=8)
+        return {"": figure}
 
     def sentences(self) -> list[str]:
         """Return the largest errors of the theories for the most slender and the stoutest rods."""
-        pick, lines = [i - 1 for i in self.shown], []
+        lines = []
         for k in dict.fromkeys((0, len(self.ratios) - 1)):
-            worst = []
+            worst, sure = [], np.array([self.uncertainty[case][k] for case in self.cases])
             for theory in self.theories:
-                found = np.array([self.errors[case, theory][k][pick] for case in self.uncertainty])
+                errors = np.array([self.errors[case, theory][k] for case in self.cases])
+                found, own = np.abs(at(errors, self.shown)), at(sure, self.shown)
                 if np.isfinite(found).any():
-                    most = percent(float(np.nanmax(np.abs(found))))
-                    worst.append(f"{most} (exact {theory.name})")
+                    place = int(np.nanargmax(found))
+                    bar = f" +-{own.flat[place]:.1g}" if np.isfinite(own.flat[place]) else ""
+                    worst.append(f"{found.flat[place]:.2g}{bar} % (exact {theory.name})")
             if worst:
                 lines.append(
                     f"At d/L = {self.ratios[k]:g} beam theory is up to {' and '.join(worst)} from "
@@ -132,25 +152,9 @@ def slenderness(
     bench: Bench,
 ) -> Slenderness:
     """Return how far `theories` are from `reference` at each d/L, modes paired by shape."""
-    shape = (len(ratios), max(shown))
-    stout = {(case, k): with_rods(case, ratio) for case in cases for k, ratio in enumerate(ratios)}
-    study = bench.run(stout.values(), [*theories, reference], max(shown))
-    errors = {(case, theory): np.full(shape, np.nan) for case in cases for theory in theories}
-    uncertainty = {case: np.full(shape, np.nan) for case in cases}
-    for (own, k), case in stout.items():
-        for theory in theories:
-            pairing = study.pairing(case, theory, reference)
-            if pairing is None:
-                continue
-            against, ours = study.answers[case, reference], study.answers[case, theory]
-            f = against.frequencies[pairing.partner]
-            errors[own, theory][k] = relative_error(ours.frequencies[: study.count], f)
-            if against.uncertainty is not None:
-                width = f + against.uncertainty[pairing.partner]
-                uncertainty[own][k] = relative_error(width, f)
-    return Slenderness(
-        tuple(ratios), tuple(theories), reference, errors, uncertainty, study, tuple(shown)
-    )
+    stout = [with_rods(case, ratio) for case in cases for ratio in ratios]
+    study = bench.run(stout, [*theories, reference], max(shown))
+    return Slenderness(tuple(cases), tuple(ratios), tuple(theories), reference, study, tuple(shown))
 
 
 def run(request: Request, bench: Bench) -> Slenderness:
@@ -166,32 +170,3 @@ def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: against a solid, by quick meshes of it, if one can run."""
     solid = plan.references[0] if plan.solid is None else quick(plan.solid)
     return {"slenderness": plan.request(references=(solid,))}
-
-
-def slenderness_figure(result: Slenderness) -> "Figure":
-    """Return error against d/L: a row of panels a theory, a column a case."""
-    from matplotlib.figure import Figure
-
-    cases = list(result.uncertainty)
-    size = (4.6 * len(cases), 3.4 * len(result.theories))
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(len(result.theories), len(cases), squeeze=False, sharex=True)
-    for theory, strip in zip(result.theories, panels, strict=True):
-        for case, axes in zip(cases, strip, strict=True):
-            for i in result.shown:
-                axes.errorbar(
-                    result.ratios, result.errors[case, theory][:, i - 1],
-                    np.nan_to_num(result.uncertainty[case][:, i - 1]),
-                    color=COLOURS[(i - 1) % 6], marker=MARKERS[(i - 1) % 6],
-                    markersize=9 - 4 * ((i - 1) % 2), lw=1.2, capsize=2, label=f"$e_{{{i}}}$",
-                )  # fmt: skip
-            axes.axhline(0, color="0.4", lw=0.8)
-            axes.grid(alpha=0.25)
-            axes.set_title(f"{theory.name}, {case.name}", fontsize=10)
-            axes.set_xticks(result.ratios)
-        strip[0].set_ylabel("error [%]")
-    for axes in panels[-1]:
-        axes.set_xlabel("$d / L$")
-    panels[0][0].legend(fontsize=8)
-    figure.suptitle(f"Beam theory without elements against {result.reference.label}", fontsize=10)
-    return figure

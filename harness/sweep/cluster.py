@@ -32,7 +32,7 @@ class Cluster:
         try:
             import distributed
         except ImportError:
-            expected = "Dask: install rps-bench[cluster] here and on the workers"
+            expected = "Dask: pip install distributed, here and on the workers"
             raise InputError("scheduler", address, expected) from None
         dask: Any = distributed  # untyped
         # Its own log repeats, with a traceback, what becomes one sentence here.

@@ -37,6 +37,10 @@ ROWS = {
 }
 
 
+FEW = 3
+"""Poses whose frequencies are shown when a sweep ends."""
+
+
 @dataclass
 class Timing:
     """What a model itself took over all runs into a folder: `poses` and seconds a pose of each job.
@@ -157,6 +161,27 @@ class Rows:
             parts.append(f"SELECT {', '.join(columns)} FROM {TABLE} {where}")
         self._table.base.execute(f"CREATE VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
         append_table(folder, self._table.base, "records", command)
+
+    def first_table(self) -> Table:
+        """Return the frequencies of the first few poses; the file has all of them."""
+        found = self._table.base.execute(
+            f"""SELECT pose, z_m, azimuth_rad, tilt_rad, model::VARCHAR,
+            list(frequency_hz ORDER BY mode) FROM {TABLE} WHERE pose <= {FEW}
+            GROUP BY pose, z_m, azimuth_rad, tilt_rad, model ORDER BY pose, model"""
+        ).fetchall()
+        rows = tuple(
+            (
+                int(pose), Number(1e3 * z, 2), Number(np.degrees(azimuth), 2),
+                Number(np.degrees(tilt), 2), model,
+                *("-" if f is None else Number(f) for f in frequencies),
+            )
+            for pose, z, azimuth, tilt, model, frequencies in found
+        )  # fmt: skip
+        columns = ("Pose", "z [mm]", "azimuth [deg]", "tilt [deg]", "Model",
+                   *(f"f{i} [Hz]" for i in self._pick + 1))  # fmt: skip
+        poses = len(self._sweep.poses)
+        title = f"Frequencies of the first {min(FEW, poses)} of {poses} poses"
+        return Table(title, columns, rows)
 
     def timing_table(self) -> Table:
         """What each model itself took, over all runs into this folder."""

@@ -123,6 +123,7 @@ def carry_out(
             made["worst"] = worst_table(sweep, gathered, against, here, again)
         made["failures"] = failure_table(failures)
         files += write_all(file.parent, table_files(made))
+        made = {"first": rows.first_table(), **made}  # shown only: the file has all of it
         if history is not None and solved:
             rows.keep(*history)
     return Swept(file, tuple(files), made, failures, solved)

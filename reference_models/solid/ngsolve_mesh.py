@@ -12,7 +12,7 @@ from reference_models.protocol import ModelError, UnavailableError
 from reference_models.solid.rod import SLENDERNESS, SolidRod
 
 Array = NDArray[np.float64]
-INSTALL = 'pip install "rps-bench[solid]"'
+INSTALL = "pip install 'ngsolve>=6.2.2608'"
 LARGEST_ORDER = 6
 RIM = 4
 """How much finer than elsewhere the mesh is at the rims, where clamped stresses are singular."""

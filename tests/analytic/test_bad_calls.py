@@ -28,6 +28,11 @@ POSE = Pose(0.49, np.radians(10), np.radians(-12))
 DISC = PAPER.platform
 MODELS = (Substructure(1), Multipliers(1), Continuum())
 
+
+def thin(diameter):
+    return Mechanism.regular(0.3, 0.2, Rod(STEEL, diameter), DISC)
+
+
 CALLS = {
     "elements": lambda: Substructure(elements=1_000_000),
     "elements, condensed": lambda: condensed_frequencies(PAPER, POSE, elements=10**30),
@@ -37,6 +42,12 @@ CALLS = {
     "Rod.diameter": lambda: Rod(STEEL, 1e-12),
     "Rod.diameter, large": lambda: Rod(STEEL, 1e200),
     "Material.young": lambda: Material(10**400, 77e9, 7820.0),
+    "Material.young, soft": lambda: Material(1e-300, 77e9, 7820.0),
+    "Material.density": lambda: Material(200e9, 77e9, 1e300),
+    "Material.shear": lambda: Material(1e-30, 77e9, 7820.0),
+    "pose, thin": lambda: Substructure(3).modes(thin(1e-9), POSE),
+    "pose, thin, exact": lambda: Continuum().modes(thin(1e-7), POSE),
+    "pose, thin, many": lambda: condensed_frequencies(thin(1e-7), POSE),
     "limbs": lambda: Mechanism.regular(0.3, 0.2, Rod(STEEL, 0.1), DISC, limbs=10**30),
     "Mechanism.limbs": lambda: Mechanism(None, DISC),
     "inertia": lambda: Mechanism.paper(inertia=["disc"]),
@@ -110,3 +121,10 @@ def test_sensitivities_to_what_the_joints_forbid_are_refused():
     # Together, or at a level platform, every A_i stays in its plane.
     assert np.isfinite(frequency_sensitivities(PAPER, POSE, ["platform_radius", "tilt"])).all()
     assert np.isfinite(frequency_sensitivities(PAPER, Pose(0.49), ["platform_radius[0]"])).all()
+
+
+@pytest.mark.parametrize("count", [80, 300])
+def test_more_modes_than_tables_hold(count):
+    """Of limbs with up to 50 bending modes below, all by bisection: the exact ones."""
+    many = condensed_frequencies(PAPER, POSE, count=count)
+    np.testing.assert_allclose(many, Continuum().modes(PAPER, POSE, count).frequencies, rtol=1e-9)

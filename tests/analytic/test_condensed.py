@@ -28,7 +28,7 @@ def route(request, monkeypatch):
     """Everything holds for plain numpy and, where numba is installed, for the compiled loop."""
     if request.param == "compiled":
         if compiled() is None:
-            pytest.skip("numba is not installed: pip install 'rps-bench[fast]'")
+            pytest.skip("numba is not installed: pip install numba")
         monkeypatch.setattr(condensed, "WORTHWHILE", 0)
     return request.param
 

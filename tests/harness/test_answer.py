@@ -14,7 +14,8 @@ from analytic import Continuum, Modes, Substructure
 from harness.answer import checked
 from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.studies.refinement import ladder, refine
+from harness.request import Request
+from harness.studies import refinement
 from reference_models import ModelError, Named
 
 # Every class of tests/plugin/wrong.py, and what the sentence about it must say.
@@ -128,8 +129,8 @@ def test_one_mesh_of_another_scale_is_caught_and_one_percent_is_not(site: None) 
         for name, told in (("kilohertz", True), ("missing", True), ("percent", False)):
             found = bench.run([case], [Named(f"x-{name}", 1)], 6)
             assert bool(found.failures) == told, (name, found.failures)
-        steps = ladder(Named("x-percent", 4))
-        said = refine([case], [steps], [1, 2, 3], bench).failures()
+        asked = Request((case,), Named("x-percent", 4), (), shown=(1, 2, 3))
+        said = refinement.run(asked, bench).failures()
     assert list(said) == ["x-percent@8 at case1"]
     assert "f1 = 139.205 Hz for 137.826 Hz" in said["x-percent@8 at case1"]
 

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from harness.bench import Bench
+from harness.cli.main import HELP
 from harness.studies import STUDIES
 
 PROGRAM = [sys.executable, "-P", "-c", "from harness.cli.main import main; main()"]
@@ -19,6 +20,8 @@ START = Path(__file__).parents[2]
 # What is typed, and what the sentence must name: argument, value, expectation.
 COMMANDS = [
     (["table", "--cases", "case9"], "--cases", "'case9'", "case1"),
+    (["table", "--cases", "case-2"], "--cases", "'case-2'", "did you mean case2?"),
+    (["reproduce", "--only", "tabel"], "--only", "'tabel'", "did you mean table?"),
     (["table", "--cases", "case1,,case2"], "--cases", "'case1,,case2'", "separated by commas"),
     (["table", "--cases", ""], "--cases", "''", "names"),
     (["table", "--references", "ansys"], "--references", "'ansys'", "exudyn-beam"),
@@ -54,7 +57,7 @@ COMMANDS = [
     (["slenderness", "--references", "ansys"], "--references", "'ansys'", "calculix-solid"),
     (["slenderness", "--model", "rayleigh"], "--model", "", "No such option"),
     (["shapes", "--cases", "case9"], "--cases", "'case9'", "case1"),
-    (["reproduce", "--only", "table9"], "--only", "'table9'", "some of table"),
+    (["reproduce", "--only", "table9"], "--only", "'table9'", "one of table"),
     (["tabel"], "tabel", "", "did you mean table?"),
     (["xyzzy"], "xyzzy", "", "rps-bench --help"),
 ]  # fmt: skip
@@ -127,6 +130,47 @@ def test_nothing_heavy_is_loaded_for_help(arguments: list[str]) -> None:
     assert ended.stderr.splitlines()[-1] == "[]", ended.stderr
     if arguments != ["tabel"]:
         assert ended.returncode == 0 and ended.stdout
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"),
+    [
+        ("rps-bench tab", ["table"]),
+        ("rps-bench table --cases case1,case2-z-f", ["case1,case2-z-fitted"]),
+        ("rps-bench table --references usual,exudyn-b", ["usual,exudyn-beam"]),
+        ("rps-bench sweep --models mujoco-ca", ["mujoco-cable"]),
+        ("rps-bench reproduce --only table,bud", ["table,budget"]),
+        ("rps-bench table --case-file mine.toml --cases lo", ["low"]),
+    ],
+)
+def test_the_shell_completes_names(tmp_path: Path, typed: str, meant: list[str]) -> None:
+    (tmp_path / "mine.toml").write_text("[cases.low]\nz_mm = 400\n")
+    words = {"COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split()) - 1),
+             "_RPS_BENCH_COMPLETE": "bash_complete"}  # fmt: skip
+    code = "import sys; sys.argv = ['rps-bench']; " + PROGRAM[-1]
+    ended = subprocess.run(
+        [*PROGRAM[:-1], code], capture_output=True, text=True, cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(START), **words},
+    )  # fmt: skip
+    assert [line.partition(",")[2] for line in ended.stdout.splitlines()] == meant, ended.stderr
+
+
+def test_a_bar_says_what_runs_and_of_what_it_is_a_part() -> None:
+    from harness.cli.terminal import Bar
+
+    with Bar() as bar:
+        bar.part("2 of 11, Error budget")
+        bar.expect(4)
+        bar.begin("exudyn-beam at case1")
+        (task,) = bar._bar.tasks
+        assert task.description == "2 of 11, Error budget: exudyn-beam at case1"
+        bar.done("exudyn-beam at case1")
+        assert (task.completed, task.total) == (1, 4)
+
+
+def test_first_lines_of_help_are_whole_sentences() -> None:
+    for name, said in HELP.items():
+        assert re.fullmatch(r"[A-Z][^\n]*[.]", said), name
 
 
 def test_help_lists_every_study() -> None:

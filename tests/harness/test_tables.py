@@ -2,7 +2,10 @@
 
 import csv
 import io
+import shutil
+import subprocess
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -11,7 +14,7 @@ from rich.console import Console
 
 from harness.api import study
 from harness.result import Result
-from harness.tables import Cell, Number, Table
+from harness.tables import NEEDS, Cell, Number, Table
 
 TABLE = Table(
     "Title",
@@ -102,19 +105,37 @@ def test_text_rounds_and_files_keep_more() -> None:
     assert TABLE.to_frame()["Error (%)"].tolist() == [1.23456789, -2.0]
 
 
-def test_latex_escapes() -> None:
-    text = TABLE.latex()
-    assert r"a \& b" in text and r"50 \%" in text and r"Error (\%)" in text
-    assert text.startswith("% Title\n% from here\n\\begin{tabular}")
-
-
 def test_latex_breaks_long_text() -> None:
     """Columns of long text share the line; numbers and short text stay as they are."""
     rows = (("case1", Number(1.0), "x" * 41, "y" * 40, "z" * 90),)
     text = Table("Title", ("Case", "f1", "Long", "Short", "Longer"), rows).latex()
-    assert text.splitlines()[1] == r"\begin{tabular}{lrp{0.40\linewidth}lp{0.40\linewidth}}"
-    assert text.splitlines()[2] == r"\toprule" and text.endswith("\\end{tabular}\n")
+    assert r"\begin{tabular}{lrp{0.40\linewidth}lp{0.40\linewidth}}" in text
     assert r"\begin{tabular}{lrl}" in TABLE.latex()
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs LaTeX: apt-get install "
+                    "texlive-latex-recommended")  # fmt: skip
+def test_a_paper_can_take_the_tables(many_modes: Result, tmp_path: Path) -> None:
+    """LaTeX itself: captions, references to labels, every letter as it is, nothing off the page."""
+    letters = " ".join(map(chr, range(33, 127)))
+    odd = Table(f"All of {letters}", ("[a]", "*"), (("[b] --c", Number(-1.5)), ("*", letters)))
+    long = Table("Long", ("a", "b"), (("word " * 60, "word " * 40),))
+    tables = {"odd_one": odd, "long": long, "mine": TABLE, "wide": many_modes.table()}
+    for name, table in tables.items():
+        (tmp_path / f"{name}.tex").write_bytes(table.files(name)[f"{name}.tex"])
+    parts = "".join(rf"Table~\ref{{tab:{name}}}: \input{{{name}}}" for name in tables)
+    (tmp_path / "paper.tex").write_text(
+        r"\documentclass{article}"
+        rf"\{NEEDS.partition(chr(92))[2]}\begin{{document}}{parts}\end{{document}}"
+    )
+    for _ in range(2):
+        ended = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper"],
+                               cwd=tmp_path, capture_output=True, text=True)  # fmt: skip
+        assert ended.returncode == 0, ended.stdout[-2000:]
+    log = (tmp_path / "paper.log").read_text()
+    for sign in ("Overfull", "undefined", "multiply", "Missing character", "too large"):
+        assert sign not in log, log
+    assert (tmp_path / "paper.aux").read_text().count("newlabel") == len(tables)
 
 
 def test_files_are_all_forms() -> None:

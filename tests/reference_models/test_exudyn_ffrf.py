@@ -18,7 +18,7 @@ from reference_models.solid.ngsolve import NgsolveSolid
 from reference_models.solid.nodal_rod import nodal_rod
 
 pytest.importorskip("exudyn", reason="exudyn is not installed: pip install exudyn")
-pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')
+pytest.importorskip("ngsolve", reason="ngsolve is not installed")
 
 Poses = Callable[[int, int], Pose]
 MESH = 1  # tetrahedra a diameter: the same for both, and the rims are finer anyway

@@ -18,7 +18,7 @@ from reference_models.solid.cache import CacheWarning, TabledLimb
 from reference_models.solid.limb import SolidLimb
 from reference_models.solid.table import LimbTable, coefficients, nodes, position_in
 
-pytest.importorskip("ngsolve", reason='ngsolve is not installed: pip install "rps-bench[solid]"')
+pytest.importorskip("ngsolve", reason="ngsolve is not installed")
 
 from reference_models.solid.ngsolve import NgsolveSolid
 

@@ -1,7 +1,13 @@
 "use strict";
 // What all sections share: choices, charts, tables of numbers, and where a number comes from.
 const $ = (id) => document.getElementById(id);
-const read = (key) => JSON.parse($(`data-${key}`)?.textContent ?? "null");
+// What is large is in the page packed: the data of all sections, and the plotting library.
+async function unpack(id) {
+  const packed = Uint8Array.from(atob($(id).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+const kept = JSON.parse(await unpack("data"));
+const read = (key) => kept[key] ?? null;
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const ledger = read("ledger");
 const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "hexagon"];
@@ -106,16 +112,23 @@ function legend(id, data) {
   list.hidden = named.length < 2;
   own.off = new Set(named.map((one) => one.name).filter((name) => own.off?.has(name)));
   for (const one of named) one.visible = own.off.has(one.name) ? "legendonly" : true;
-  list.replaceChildren(...named.map((one) => {
-    const form = String(one.marker?.symbol ?? "square").replace("-open", "");
-    const tint = one.type === "bar" || !one.line ? one.marker?.color : one.line.color;
+  const looks = named.map((one) => [one.name, String(one.marker?.symbol ?? "square"),
+    one.type === "bar" || !one.line ? one.marker?.color : one.line.color]);
+  // Buttons that are right stay: one of them may have the focus.
+  if (list.dataset.looks === JSON.stringify(looks)) {
+    list.querySelectorAll("button").forEach((button, k) => button.setAttribute("aria-pressed", String(named[k].visible === true)));
+    return;
+  }
+  list.dataset.looks = JSON.stringify(looks);
+  list.replaceChildren(...named.map((one, k) => {
+    const [form, tint] = [looks[k][1].replace("-open", ""), looks[k][2]];
     const drawing = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     drawing.setAttribute("viewBox", "0 0 16 16");
     drawing.setAttribute("aria-hidden", "true");
     const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
     path.setAttribute("d", FORMS[form] ?? FORMS.square);
     path.setAttribute("stroke", tint);
-    path.setAttribute("fill", String(one.marker?.symbol).endsWith("-open") ? "none" : tint);
+    path.setAttribute("fill", looks[k][1].endsWith("-open") ? "none" : tint);
     drawing.append(path);
     const text = element("span");
     text.append(...one.name.split(/<sub>(.*?)<\/sub>/).map((part, k) => k % 2 ? element("sub", part) : part));
@@ -123,9 +136,7 @@ function legend(id, data) {
     button.append(drawing, text);
     button.addEventListener("click", () => {
       if (!own.off.delete(one.name)) own.off.add(one.name);
-      const place = [...list.querySelectorAll("button")].indexOf(button);
       update(id);
-      list.querySelectorAll("button")[place]?.focus();
     });
     const item = element("li");
     item.append(button);
@@ -202,9 +213,7 @@ function redraw() {
 async function library() {
   // The second frame comes when the first is on the screen.
   await new Promise((shown) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(shown))));
-  const packed = Uint8Array.from(atob($("plotly").textContent), (letter) => letter.charCodeAt(0));
-  const unpacked = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  document.head.append(element("script", await new Response(unpacked).text()));
+  document.head.append(element("script", await unpack("plotly")));
   root.dataset.charts = "ready";
 }
 

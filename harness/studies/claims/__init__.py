@@ -1,30 +1,42 @@
 """Every checkable statement of the paper, and its verdict.
 
-The statements are about the paper's own mechanism: no cases and no `case_file` can be given.
+The statements are about the paper's own mechanism, or those of the papers whose folder is the
+`case_file`.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 from harness.bench import Bench
 from harness.plan import Plan
 from harness.request import Option, Request
 from harness.result import Result
-from harness.studies.claims import (  # noqa: F401  each adds its checks
+from harness.studies.claims import (
     check_cost,
     check_equations,
     check_models,
     check_printed,
     check_workspace,
+    papers,
 )
-from harness.studies.claims.data import CHECKS, KINDS, RULES, Claim, Finding, claims, find, select
-from harness.studies.claims.facts import Facts
-from harness.studies.claims.measure import gather
+from harness.studies.claims.data import (
+    COLUMNS,
+    HOLDS,
+    KINDS,
+    MANY,
+    RULES,
+    WORDS,
+    Args,
+    Claim,
+    Finding,
+    Outcome,
+    claims,
+    select,
+)
+from harness.studies.claims.facts import PAPER, Facts, UnmeasuredError
 from harness.tables import Table
-
-if TYPE_CHECKING:
-    import pandas as pd
+from reference_models import UnavailableError
 
 
 def _only(text: str) -> tuple[Claim, ...]:
@@ -33,25 +45,19 @@ def _only(text: str) -> tuple[Claim, ...]:
     return tuple(select(split("only", text)))
 
 
-TAKES = ()
+TAKES = ("case_file",)
 OPTIONS = (Option("only", "ID,ID", "Check these claims; default all.", None, _only),)
-COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
 SHORT = ("id", "quoted", "measured", "kind")
 """The columns of a long list: its lines are read at a glance."""
 LONG = 10
 """More claims than this are a long list."""
-
-
-class Checked(NamedTuple):
-    """A claim with its finding."""
-
-    claim: Claim
-    finding: Finding
-
-    def row(self) -> dict[str, str]:
-        """Return every field in words."""
-        every = vars(self.claim) | vars(self.finding) | {"kind": self.finding.kind}
-        return {name: every[name] for name in (*COLUMNS, "kind", "how", "erratum")}
+CHECKS: dict[str, Callable[[Facts, Args], Outcome]] = {
+    name: check
+    for module in (check_cost, check_equations, check_models, check_printed, check_workspace)
+    for name, check in vars(module).items()
+    if getattr(check, "__module__", "") == module.__name__ and not name.startswith("_")
+}
+"""The checks by name: which verdict the facts and a claim's arguments give, and what with."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +68,17 @@ class Claims(Result):
     checked; `solved`, the rows of what was solved.
     """
 
-    found: tuple[Checked, ...]
+    found: tuple[Finding, ...]
     unchecked: Mapping[str, str]
     solved: tuple[dict[str, Any], ...] = ()
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> list[dict[str, str]]:
         """Return one row a claim: quoted, measured, the verdict, and how it was found."""
-        import pandas as pd
-
-        return pd.DataFrame([checked.row() for checked in self.found])
+        return [finding.row() for finding in self.found]
 
     def counts(self) -> dict[str, int]:
         """Return how many verdicts of each kind there are."""
-        kinds = [checked.finding.kind for checked in self.found]
+        kinds = [finding.kind for finding in self.found]
         return {kind: kinds.count(kind) for kind in KINDS}
 
     def tables(self) -> dict[str, Table]:
@@ -91,17 +95,18 @@ class Claims(Result):
             f"{RULES.significant_percent:g} %, the error that the paper itself calls acceptable",
             *(f"not checked: {name}: {why}" for name, why in self.unchecked.items()),
         )
-        rows = tuple(tuple(checked.row()[name] for name in columns) for checked in self.found)
+        rows = tuple(tuple(row[name] for name in columns) for row in self.records())
         heads = tuple("Verdict" if name == "kind" else name.capitalize() for name in columns)
         return Table("Claims of the paper", heads, rows, notes)
 
     def sentences(self) -> list[str]:
         """Return how many statements there are of each verdict, then those that fail."""
-        counts = ", ".join(f"{number} {kind}" for kind, number in self.counts().items())
+        counts = ", ".join(
+            f"{number} {kind if number == 1 else MANY.get(kind, kind)}"
+            for kind, number in self.counts().items()
+        )
         return [f"Of {len(self.found)} statements of the paper: {counts}."] + [
-            f"{checked.claim.id}: {checked.finding.verdict}."
-            for checked in self.found
-            if checked.finding.kind == KINDS[-1]
+            f"{one.claim.id}: {one.verdict}." for one in self.found if one.kind == KINDS[-1]
         ]
 
     def rows(self) -> list[dict[str, Any]]:
@@ -113,39 +118,39 @@ class Claims(Result):
         return dict(self.unchecked)
 
 
-def needed(chosen: Iterable[Claim]) -> list[str]:
-    """Return the groups of `Facts` that the checks of `chosen` read."""
-    return sorted({group for claim in chosen for group in CHECKS[claim.check][1]})
+def find(claim: Claim, facts: Facts) -> Finding:
+    """Return what a claim's check finds, in the words of findings.toml.
 
-
-def judge(
-    chosen: Iterable[Claim], facts: Facts, missing: Mapping[str, str]
-) -> tuple[list[Checked], dict[str, str]]:
-    """Return the findings, and by id why a claim could not be checked.
-
-    `missing`: group of `facts` to the reason why it was not measured.
+    Raises what `Facts` raises where a figure that it asks for cannot be measured.
     """
+    verdict, values = CHECKS[claim.check](facts, claim.args)
+    known = {**vars(facts), **vars(RULES), "paper": PAPER.label, **claim.args, **values}
+    words = {HOLDS: HOLDS} | WORDS[claim.check]
+    said = (words[key].format(**known) for key in ("measured", "uncertainty", verdict))
+    return Finding(claim, *said)
+
+
+def judge(chosen: Iterable[Claim], facts: Facts) -> Claims:
+    """Return the findings, and by id why a claim could not be checked."""
     found, unchecked = [], {}
     for claim in chosen:
-        _, groups = CHECKS[claim.check]
-        gaps = [missing[group] for group in groups if group in missing]
-        if gaps:
-            unchecked[claim.id] = "; ".join(dict.fromkeys(gaps))
-        else:
-            found.append(Checked(claim, find(claim, facts)))
-    return found, unchecked
+        try:
+            found.append(find(claim, facts))
+        except (UnavailableError, UnmeasuredError) as error:
+            unchecked[claim.id] = str(error)
+    return Claims(tuple(found), unchecked, tuple(facts.solved))
 
 
 def run(request: Request, bench: Bench) -> Claims:
     """Return the verdict on every statement, or on those asked for.
 
     Verdicts are results: only a claim that could not be checked makes the exit status 1. The
-    statements are about the paper's own mechanism, so that --cases and --case-file do not apply.
+    statements are about the paper's own mechanism; with the folder of another paper as --case-file,
+    they are those of its claims.toml.
     """
-    chosen = request.options["only"] or claims()
-    facts, missing, solved = gather(needed(chosen), bench)
-    found, unchecked = judge(chosen, facts, missing)
-    return Claims(tuple(found), unchecked, tuple(solved))
+    if not all(case.published for case in request.cases):
+        return Claims(*papers.judged(request.cases, bench))
+    return judge(request.options["only"] or claims(), Facts(bench))
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

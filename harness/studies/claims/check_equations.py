@@ -1,32 +1,31 @@
 """Checks of Eqs. (1)-(22): what each says, against what it must satisfy."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from harness.studies.claims.data import RULES, Args, Outcome, outcome, reads
+from harness.studies.claims.data import RULES, Args, Outcome, outcome
 from harness.studies.claims.equations import PHI, STEP
 from harness.studies.claims.facts import PAPER, Facts, Floats
 
-for _name, _fields in {
-    "rotation": ("rotation",),
-    "plane": ("beside_plane",),
-    "lengths": ("lengths_apart",),
-    "eq17_vertical": ("axis_rise",),
-    "no_multipliers": ("joints_open", "multipliers_apart"),
-}.items():
 
-    @reads("equations", name=_name)
-    def _vanish(facts: Facts, args: Args, fields: tuple[str, ...] = _fields) -> Outcome:
-        """Are these no more than rounding?"""
+def _vanish(*fields: str) -> Callable[[Facts, Args], Outcome]:
+    def check(facts: Facts, args: Args) -> Outcome:
         return outcome(all(getattr(facts.equations, name) <= RULES.exact for name in fields))
 
+    return check
 
-@reads("equations")
+
+rotation, plane, lengths = _vanish("rotation"), _vanish("beside_plane"), _vanish("lengths_apart")
+eq17_vertical = _vanish("axis_rise")
+no_multipliers = _vanish("joints_open", "multipliers_apart")
+
+
 def mobility(facts: Facts, args: Args) -> Outcome:
     """Has the platform as many freedoms as is said?"""
     return outcome(facts.equations.freedoms == args["printed"])
 
 
-@reads("equations")
 def angles(facts: Facts, args: Args) -> Outcome:
     """Are phi and theta angles about the y- and x-axes?"""
     alone, axis = facts.equations.phi_alone, facts.equations.theta_axis
@@ -35,14 +34,12 @@ def angles(facts: Facts, args: Args) -> Outcome:
     return outcome(holds, phi=phi, turn=turn, off=off)
 
 
-@reads("equations")
 def compatibility(facts: Facts, args: Args) -> Outcome:
     """Is Eq. (10) the motion of a point of a rigid body?"""
     own = STEP**2  # more than a central difference errs by
     return outcome(facts.equations.compatibility <= own, own=own)
 
 
-@reads("equations")
 def rod_size(facts: Facts, args: Args) -> Outcome:
     """Does Eq. (6) have a rod's size?"""
     sizes = facts.equations.sizes
@@ -50,7 +47,6 @@ def rod_size(facts: Facts, args: Args) -> Outcome:
     return outcome(not wrong, right=len(sizes) - len(wrong), all=len(sizes), wrong=wrong)
 
 
-@reads("equations")
 def dimension(facts: Facts, args: Args) -> Outcome:
     """Are there 18 s independent coordinates?"""
     sizes = facts.equations.sizes
@@ -58,7 +54,6 @@ def dimension(facts: Facts, args: Args) -> Outcome:
     return outcome(not wrong, wrong=wrong, sizes=sizes[3], left=sizes[3][1] - sizes[3][2])
 
 
-@reads("equations")
 def unknowns(facts: Facts, args: Args) -> Outcome:
     """Do multipliers mean more unknowns?"""
     sizes = facts.equations.sizes[3]
@@ -66,10 +61,9 @@ def unknowns(facts: Facts, args: Args) -> Outcome:
     return outcome(rival > sizes[3], sizes=sizes, rival=rival)
 
 
-@reads("beams", "equations")
 def inertia(facts: Facts, args: Args) -> Outcome:
     """Can a plate of the printed thickness have the inertia of Eq. (8)?"""
-    hertz, h = facts.beams.hertz, facts.equations.thickness
+    hertz, h = facts.hertz, facts.equations.thickness
     jx, jy, jz = facts.equations.moments
     excess, most = jx + jy - jz, h**2 / 2
     lower = 100 * (hertz["case1-printed-inertia", PAPER][2] / hertz["case1", PAPER][2] - 1)
@@ -77,7 +71,6 @@ def inertia(facts: Facts, args: Args) -> Outcome:
     return outcome(holds, excess=excess, most=most, mm=1000 * h, lower=lower)
 
 
-@reads("equations")
 def base_angles(facts: Facts, args: Args) -> Outcome:
     """Does it make no difference to call all of Phi_Bi zero?"""
     changes = {case: 100 * change for case, change in facts.equations.base_clamped.items()}
@@ -92,7 +85,6 @@ def _zero(facts: Facts, smallest: Floats) -> str:
     return ", ".join(f"{angle:.0f}" for angle in zero)
 
 
-@reads("equations")
 def eq17(facts: Facts, args: Args) -> Outcome:
     """Is Eq. (17) regular?"""
     found = facts.equations.eq17
@@ -101,7 +93,6 @@ def eq17(facts: Facts, args: Args) -> Outcome:
     return outcome(holds, otherwise, least=found.min(), zero=_zero(facts, found))
 
 
-@reads("equations")
 def eq18(facts: Facts, args: Args) -> Outcome:
     """Is Eq. (18) singular in some configurations?"""
     found = facts.equations.eq18

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.cases import PRESETS
 from harness.studies.claims.check_printed import ERROR, FEA, THEORETICAL
-from harness.studies.claims.data import RULES, Args, Outcome, outcome, quoted_number, reads
+from harness.studies.claims.data import RULES, Args, Outcome, outcome, quoted_number
 from harness.studies.claims.facts import (
     CASES,
     EXACT,
@@ -24,13 +24,12 @@ EFFECTS = ("number of elements", "rotary inertia", "shear", "Timoshenko to refer
 """Parts of an error, from one model to the next."""
 
 
-@reads("beams")
 def theoretical(facts: Facts, args: Args) -> Outcome:
     """Is a theoretical value what the paper's model gives for its parameters?"""
     case, i = args["case"], args["mode"] - 1
     quoted, literal = facts.printed.table[case, THEORETICAL][i], f"{case}-as-printed"
     found = {
-        name: float(facts.beams.hertz[name, one.theory][i])
+        name: float(facts.hertz[name, one.theory][i])
         for name, one in PRESETS.items()
         if one.published == case
     }
@@ -47,7 +46,6 @@ def theoretical(facts: Facts, args: Args) -> Outcome:
     )
 
 
-@reads("beams", "fea", "solid")
 def fea(facts: Facts, args: Args) -> Outcome:
     """Is an FEA value what independent finite elements give for the paper's parameters?"""
     case, i = args["case"], args["mode"] - 1
@@ -61,11 +59,10 @@ def fea(facts: Facts, args: Args) -> Outcome:
         owns="; ".join(f"{own:.3f} Hz of {k}" for k, (_, own) in found.items()),
         off=" and ".join(off.values()),
         z=PRESETS[case].pose.z,
-        theory=_off(float(facts.beams.hertz[case, PAPER][i]), ours),
+        theory=_off(float(facts.hertz[case, PAPER][i]), ours),
     )
 
 
-@reads("beams", "fea", "solid")
 def error(facts: Facts, args: Args) -> Outcome:
     """Is an error (%) what the model has against finite elements, and where does it come from?"""
     case, i, model = args["case"], args["mode"] - 1, replace(PAPER, elements=args["elements"])
@@ -81,7 +78,6 @@ def error(facts: Facts, args: Args) -> Outcome:
     )
 
 
-@reads("beams", "fea", "solid")
 def largest_error(facts: Facts, args: Args) -> Outcome:
     """Is the largest error of some modes within what the paper says?"""
     modes, words, owns, within, causes = args["modes"], [], [], {}, []
@@ -96,13 +92,12 @@ def largest_error(facts: Facts, args: Args) -> Outcome:
     return _among(within, words="; ".join(words), owns="; ".join(owns), causes=causes[0])
 
 
-@reads("beams")
 def one_height(facts: Facts, args: Args) -> Outcome:
     """Is there one height at which the printed mechanism gives both printed rows?"""
-    z = facts.beams.scan_z
+    z = facts.scan_z
     worst = {
         f"{case} is nearest": np.abs(_percent(scan, facts.printed.table[case, THEORETICAL])).max(1)
-        for case, scan in facts.beams.scan.items()
+        for case, scan in facts.scan.items()
     }
     worst["both"] = np.maximum(*worst.values())
     best = {what: int(np.argmin(off)) for what, off in worst.items()}
@@ -112,21 +107,19 @@ def one_height(facts: Facts, args: Args) -> Outcome:
     return outcome(holds, words="; ".join(words), step=step, z=z[[0, -1]], least=least)
 
 
-@reads("beams")
 def fall(facts: Facts, args: Args) -> Outcome:
     """Does f1's error fall from one element to three as the printed errors do?"""
     case, mode, few, more = (args[key] for key in ("case", "mode", "from", "to"))
     quoted = facts.printed.figure3[case, few, mode] - facts.printed.table[case, ERROR][mode - 1]
-    coarse, fine = (facts.beams.hertz[case, replace(PAPER, elements=s)] for s in (few, more))
+    coarse, fine = (facts.hertz[case, replace(PAPER, elements=s)] for s in (few, more))
     value, both = _percent(coarse, fine)[mode - 1], 2 * RULES.rounding
     holds = abs(value - quoted) <= both
     return outcome(holds, value=value, both=both, few=few, more=more, quoted=quoted)
 
 
-@reads("beams")
 def few_elements(facts: Facts, args: Args) -> Outcome:
     """Do more elements than these change the frequencies no further?"""
-    hertz, elements, most = facts.beams.hertz, args["elements"], getattr(RULES, args["limit"])
+    hertz, elements, most = facts.hertz, args["elements"], getattr(RULES, args["limit"])
     models = [replace(PAPER, elements=s) for s in STEPS]
     off = [[_percent(hertz[case, m], hertz[case, EXACT]) for case in CASES] for m in models]
     errors = np.abs(off)[:, :, np.array(args["modes"]) - 1].max(axis=(1, 2))
@@ -136,35 +129,30 @@ def few_elements(facts: Facts, args: Args) -> Outcome:
     return outcome(worst[elements] <= most, words=words, most=most, fewest=fewest)
 
 
-@reads("beams")
 def repeated(facts: Facts, args: Args) -> Outcome:
     """Are the printed pairs of equal frequencies double roots of the model?"""
-    f = facts.beams.hertz[args["case"], PAPER]
+    f = facts.hertz[args["case"], PAPER]
     apart = {f"f{i} and f{j}": float(abs(f[j - 1] / f[i - 1] - 1)) for i, j in args["pairs"]}
     words = "; ".join(f"{pair} are {value:.0e} apart" for pair, value in apart.items())
     wrong = [pair for pair, value in apart.items() if value > RULES.exact]
     return outcome(not wrong, words=words, wrong=", ".join(wrong))
 
 
-@reads("slender")
 def timoshenko_stiffness(facts: Facts, args: Args) -> Outcome:
     """Does Timoshenko change the platform's stiffness significantly?"""
     return _within(facts, facts.slender.stiffness, RULES.significant_percent)
 
 
-@reads("slender")
 def timoshenko_frequencies(facts: Facts, args: Args) -> Outcome:
     """Does Timoshenko change the frequencies significantly?"""
     return _within(facts, facts.slender.frequencies.max(axis=1), RULES.significant_percent)
 
 
-@reads("slender")
 def f1_diameter(facts: Facts, args: Args) -> Outcome:
     """Can rods of the printed diameter have so small an error of f1?"""
     return _within(facts, facts.slender.frequencies[:, 0], args["printed"] + RULES.rounding)
 
 
-@reads("slender")
 def slender(facts: Facts, args: Args) -> Outcome:
     """Are both theories the same for slender rods?"""
     gaps = facts.slender.frequencies.max(axis=1)[[0, -1]]
@@ -193,7 +181,7 @@ def _error(facts: Facts, reference: Reference, case: str, model: Named) -> Float
     """Return the model's error and the reference's own uncertainty, (2, 6) [%]."""
     f = reference.hertz[case]
     own = 100 * reference.uncertainty[case] / f
-    return np.array([_percent(facts.beams.hertz[case, model], f), own])
+    return np.array([_percent(facts.hertz[case, model], f), own])
 
 
 def _causes(facts: Facts, case: str, model: Named, i: int) -> str:
@@ -201,7 +189,7 @@ def _causes(facts: Facts, case: str, model: Named, i: int) -> str:
     words, most = [], ""
     for r in (facts.fea, facts.solid):
         f = r.hertz[case][i]
-        chain = [facts.beams.hertz[case, one][i] for one in (model, *THEORIES)]
+        chain = [facts.hertz[case, one][i] for one in (model, *THEORIES)]
         parts = dict(zip(EFFECTS, -100 * np.diff([*chain, f]) / f, strict=True))
         shares = ", ".join(f"{name} {share:+.3f}" for name, share in parts.items())
         words.append(f"against {r.label} {shares}")

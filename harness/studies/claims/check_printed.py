@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from harness.studies.claims.data import RULES, Args, Outcome, outcome, reads
+from harness.studies.claims.data import RULES, Args, Outcome, outcome
 from harness.studies.claims.facts import CASES, Facts, Floats
 
 FEA, THEORETICAL, ERROR = "FEA", "Theoretical", "Error (%)"
@@ -11,18 +11,17 @@ EDGE = 1e-9
 INSIDE = RULES.rounding + EDGE
 
 
-def rows_error(facts: Facts, case: str) -> tuple[Floats, Floats]:
+def _rows_error(facts: Facts, case: str) -> tuple[Floats, Floats]:
     """Return 100 (t - f) / f of the printed rows and what their own rounding does to it [%]."""
     t, f = (np.array(facts.printed.table[case, method]) for method in (THEORETICAL, FEA))
     return 100 * (t - f) / f, 100 * (1 + t / f) / f * RULES.rounding
 
 
-@reads()
 def error_follows(facts: Facts, args: Args) -> Outcome:
     """Does a printed error follow from the printed rows?"""
     case, i = args["case"], args["mode"] - 1
     t, f, quoted = (facts.printed.table[case, method][i] for method in (THEORETICAL, FEA, ERROR))
-    value, own = (float(column[i]) for column in rows_error(facts, case))
+    value, own = (float(column[i]) for column in _rows_error(facts, case))
     of_theory, off, otherwise = 100 * (t - f) / t, abs(value - quoted), "otherwise"
     if off <= RULES.rounding + own:
         otherwise = "digits"
@@ -31,11 +30,10 @@ def error_follows(facts: Facts, args: Args) -> Outcome:
     return outcome(off <= INSIDE, otherwise, value=value, own=own, of_theory=of_theory)
 
 
-@reads()
 def largest_printed(facts: Facts, args: Args) -> Outcome:
     """Is the largest error that the printed frequencies give what the text says?"""
     modes = [i - 1 for i in args["modes"]]
-    both = np.array([rows_error(facts, case) for case in CASES])[:, :, modes]
+    both = np.array([_rows_error(facts, case) for case in CASES])[:, :, modes]
     k, m = (int(n) for n in np.unravel_index(both[:, 0].argmax(), both[:, 0].shape))
     value, own = both[k, :, m]
     limit = float(args["printed"]) + (0 if args["strictly"] else INSIDE)
@@ -44,7 +42,6 @@ def largest_printed(facts: Facts, args: Args) -> Outcome:
     return outcome(value < limit, otherwise, value=value, own=own, where=where)
 
 
-@reads()
 def saved_follows(facts: Facts, args: Args) -> Outcome:
     """Does the percentage saved follow from the two printed times?"""
     theory, fea, saved = (
@@ -56,7 +53,6 @@ def saved_follows(facts: Facts, args: Args) -> Outcome:
     return outcome(off <= INSIDE, otherwise, value=value, own=own)
 
 
-@reads()
 def blocks(facts: Facts, args: Args) -> Outcome:
     """Do the printed blocks of every row fill the matrix's columns?"""
     matrix = facts.printed.matrices[args["equation"]]

@@ -5,36 +5,33 @@ from typing import Any
 import numpy as np
 
 from harness.cases import PRESETS
-from harness.studies.claims.data import RULES, Args, Outcome, outcome, reads
-from harness.studies.claims.facts import CASES, Beams, Facts, Maps
+from harness.studies.claims.data import RULES, Args, Outcome, outcome
+from harness.studies.claims.facts import CASES, Facts
 
 
-def _span(beams: Beams, suffix: str = "") -> tuple[float, float]:
+def _span(facts: Facts, suffix: str = "") -> tuple[float, float]:
     """Return the shortest and the longest limb over both cases [m]."""
-    low, high = zip(*(beams.lengths[case + suffix] for case in CASES), strict=True)
+    low, high = zip(*(facts.lengths[case + suffix] for case in CASES), strict=True)
     return min(low), max(high)
 
 
-@reads("beams")
 def three_prs(facts: Facts, args: Args) -> Outcome:
     """Do the limbs between R and S keep their length?"""
-    low, high = _span(facts.beams)
+    low, high = _span(facts)
     return outcome(high - low <= RULES.exact, low=low, high=high, change=high - low)
 
 
-@reads("beams")
 def height(facts: Facts, args: Args) -> Outcome:
     """Are the limbs within their printed limits at the printed height?"""
     inside, words, z = [], [], []
     for suffix in ("-as-printed", ""):
-        low, high = _span(facts.beams, suffix)
+        low, high = _span(facts, suffix)
         z.append(PRESETS[CASES[0] + suffix].pose.z)
         inside.append(args["shortest"] <= low and high <= args["longest"])
         words.append(f"L_i from {low:.3f} to {high:.3f} m at z = {z[-1]:g} m")
     return outcome(inside[0], "read" if inside[1] else "otherwise", words="; ".join(words), z=z)
 
 
-@reads("maps")
 def angle_limits(facts: Facts, args: Args) -> Outcome:
     """Does the regular workspace follow from what is printed, without the joints' limits?"""
     volumes = {angle: cone for angle, (cone, _) in facts.maps.volumes.items()}
@@ -43,7 +40,6 @@ def angle_limits(facts: Facts, args: Args) -> Outcome:
     return outcome(apart <= RULES.agrees_percent, words=words, apart=apart)
 
 
-@reads("maps")
 def cone(facts: Facts, args: Args) -> Outcome:
     """Do the largest inscribed circles make up a truncated cone?"""
     inner, whole = facts.maps.volumes[facts.maps.limit]
@@ -51,7 +47,6 @@ def cone(facts: Facts, args: Args) -> Outcome:
     return outcome(100 - share <= RULES.agrees_percent, share=share)
 
 
-@reads("maps")
 def symmetry(facts: Facts, args: Args) -> Outcome:
     """Are the frequencies the same all round a circle of one tilt and height?"""
     ripple = 100 * facts.maps.ripple
@@ -60,7 +55,6 @@ def symmetry(facts: Facts, args: Args) -> Outcome:
     return outcome(ripple.max() <= RULES.agrees_percent, otherwise, words=words)
 
 
-@reads("maps")
 def falls(facts: Facts, args: Args) -> Outcome:
     """Do the frequencies fall from layer to layer?"""
     steps, rising = facts.maps.steps, facts.maps.rising
@@ -68,7 +62,6 @@ def falls(facts: Facts, args: Args) -> Outcome:
     return outcome(not rising, otherwise, falling=steps - rising, **_layers(facts.maps))
 
 
-@reads("maps")
 def lowest_best(facts: Facts, args: Args) -> Outcome:
     """Is f1 of the level platform highest where it is lowest?"""
     z, level = facts.maps.z, facts.maps.level
@@ -77,6 +70,6 @@ def lowest_best(facts: Facts, args: Args) -> Outcome:
     return outcome(k == 0, otherwise, last=level[-1], best=1000 * z[k], **_layers(facts.maps))
 
 
-def _layers(found: Maps) -> dict[str, Any]:
+def _layers(found: Any) -> dict[str, Any]:
     """Return the lowest and the highest layer and the largest step between layers [mm]."""
     return {"mm": 1000 * found.z[[0, -1]], "step": 1000 * np.diff(found.z).max()}

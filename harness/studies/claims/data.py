@@ -1,34 +1,29 @@
 """The paper's claims as data: results/published/claims.toml, and what a check answers."""
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 from analytic import InputError
 from harness import published
-from harness.studies.claims.facts import PAPER, Facts
 
-HOLDS = "holds"
-FAILS = "fails"
-ONLY_IF = "holds only if"
-CANNOT = "cannot be reproduced as printed"
-KINDS = (HOLDS, ONLY_IF, CANNOT, FAILS)
+KINDS = HOLDS, ONLY_IF, CANNOT, FAILS = (
+    "holds", "holds only if", "cannot be reproduced as printed", "fails"
+)  # fmt: skip
 """What a verdict begins with."""
-
-
-@dataclass(frozen=True)
-class Rules:
-    """The thresholds of all checks; see claims.toml, [rules]."""
-
-    rounding: float
-    agrees_percent: float
-    significant_percent: float
-    clearly_fewer: float
-    exact: float
+MANY = {HOLDS: "hold", ONLY_IF: "hold on a condition", FAILS: "fail"}
+"""What several claims of a kind do."""
+Args = Mapping[str, Any]
+Outcome = tuple[str, dict[str, Any]]
+"""Which verdict of findings.toml is true, and what its words are filled in with."""
+_FILE = tomllib.loads(published.text("claims.toml"))
+RULES: Any = SimpleNamespace(**_FILE["rules"])
+"""The thresholds of all checks; see claims.toml, [rules]."""
+WORDS = tomllib.loads(published.text("findings.toml"))
 
 
 @dataclass(frozen=True)
@@ -40,15 +35,16 @@ class Claim:
     quoted: str
     how: str
     check: str
-    args: Mapping[str, Any]
+    args: Args
     command: str
     erratum: str = ""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found, in words made for the measured numbers."""
+    """What a check of a `claim` found, in words made for the measured numbers."""
 
+    claim: Claim
     measured: str
     uncertainty: str
     verdict: str
@@ -58,40 +54,18 @@ class Finding:
         """The one of `KINDS` that it is; raises `StopIteration` where it is none."""
         return next(k for k in (ONLY_IF, HOLDS, CANNOT, FAILS) if self.verdict.startswith(k))
 
-
-Args = Mapping[str, Any]
-Outcome = tuple[str, dict[str, Any]]
-"""Which verdict of findings.toml is true, and what its words are filled in with."""
-Check = Callable[[Facts, Args], Outcome]
-CHECKS: dict[str, tuple[Check, tuple[str, ...]]] = {}
-"""By a check's name: the function, and the groups of `Facts` that it reads besides what is printed.
-"""
-_FILE = tomllib.loads(published.text("claims.toml"))
-RULES = Rules(**_FILE["rules"])
-_WORDS = tomllib.loads(published.text("findings.toml"))
+    def row(self) -> dict[str, str]:
+        """Return every field in words."""
+        every = vars(self.claim) | vars(self) | {"kind": self.kind}
+        return {name: every[name] for name in (*COLUMNS, "kind", "how", "erratum")}
 
 
-def reads(*groups: str, name: str = "") -> Callable[[Check], Check]:
-    """Return a decorator that adds a check to `CHECKS`."""
-
-    def add(check: Check) -> Check:
-        CHECKS[name or check.__name__] = (check, groups)
-        return check
-
-    return add
+COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
 
 
 def outcome(holds: Any, otherwise: str = "otherwise", **values: Any) -> Outcome:
     """Return that a statement holds, or which of its verdicts is true `otherwise`."""
     return HOLDS if holds else otherwise, values
-
-
-def find(claim: Claim, facts: Facts) -> Finding:
-    """Return what a claim's check finds, in the words of findings.toml."""
-    verdict, values = CHECKS[claim.check][0](facts, claim.args)
-    known = {**vars(facts), **vars(RULES), "paper": PAPER.label, **claim.args, **values}
-    words = {HOLDS: HOLDS} | _WORDS[claim.check]
-    return Finding(*(words[key].format(**known) for key in ("measured", "uncertainty", verdict)))
 
 
 @cache
@@ -109,7 +83,7 @@ def claims() -> tuple[Claim, ...]:
     return tuple(found)
 
 
-def quoted_number(args: Mapping[str, Any]) -> float:
+def quoted_number(args: Args) -> float:
     """Return the number that a claim with `args` quotes; NaN if it quotes none."""
     match args:
         case {"printed": value}:

@@ -1,17 +1,22 @@
-"""The paper's equations as printed, put to the test: what `Equations` holds."""
+"""The paper's equations as printed, put to the test."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
 from harness.cases import Case
-from harness.studies.claims.facts import STEPS, Equations, Floats
 
+Floats = NDArray[np.float64]
+SIZES = range(1, 9)
+"""Numbers of elements whose matrices are counted."""
 PHI, THETA = np.radians([10.0, -12.0])
 """The angles of Case 2 [rad]."""
 POSES = 200
@@ -55,7 +60,7 @@ class Formulas:
     thickness: float = 0.02
 
 
-def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equations:
+def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
     """Return the residuals of `formulas` and of the model, for the mechanism of `cases`."""
     mechanism = cases[0].mechanism
     poses = random_poses(POSES)
@@ -78,26 +83,33 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Equatio
     plate = formulas.platform(r2, formulas.thickness, density)
     opened, apart = zip(*(_against_multipliers(case) for case in cases), strict=True)
     orthogonal, right = R.transpose(0, 2, 1) @ R - np.eye(3), np.linalg.det(R) - 1
-    return Equations(
+    return SimpleNamespace(
+        # Largest of |R^T R - 1| and |det R - 1|, Eq. (1).
         rotation=float(max(np.abs(orthogonal).max(), np.abs(right).max())),
-        phi_alone=float(phi_alone.magnitude()),
+        phi_alone=float(phi_alone.magnitude()),  # how far R turns for PHI alone [rad]
+        # Angle of R's axis from x for THETA alone [rad].
         theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
+        # Largest distance of an A_i from its joint's plane, Eq. (2) [m].
         beside_plane=float(np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max()),
+        # Largest difference of L_i, Eq. (3), from the model's [m].
         lengths_apart=float(np.abs(lengths - limbs_at(mechanism, poses).lengths).max()),
         compatibility=_compatibility(mechanism, formulas.arm),
-        freedoms=_freedoms(cases[-1]),
-        sizes={s: _sizes(cases[0], s) for s in STEPS},
-        headings=headings,
+        freedoms=_freedoms(cases[-1]),  # of the platform with its actuators free
+        sizes={s: _sizes(cases[0], s) for s in SIZES},
+        headings=headings,  # turns of the base (n,) [rad]
+        # Smallest |denominator| over limbs and poses (n,).
         eq17=np.abs(axes[..., 1]).min(axis=(1, 2)),
         eq18=np.abs(axes[..., 0]).min(axis=(1, 2)),
-        axis_rise=float(np.abs(axes[..., 2]).max()),
-        axis_motion=float(np.ptp(axes, axis=1).max()),
-        joints_open=max(opened),
-        multipliers_apart=max(apart),
+        axis_rise=float(np.abs(axes[..., 2]).max()),  # vertical component of a revolute axis
+        axis_motion=float(np.ptp(axes, axis=1).max()),  # of a revolute axis from pose to pose
+        joints_open=max(opened),  # largest |C u| of a mode for unit largest motion
+        multipliers_apart=max(apart),  # relative difference of f1-f6 from those with multipliers
         multipliers=Multipliers(3).matrices(mechanism, cases[0].pose)[2].shape[0],
+        # Relative change of f1-f6 by case if Phi_Bi = 0.
         base_clamped={case.name: _base_clamped(case) for case in cases},
+        # The printed platform's Jx, Jy, Jz over its mass [m^2].
         moments=np.diag(np.array(plate.inertia)) / plate.mass,
-        thickness=formulas.thickness,
+        thickness=formulas.thickness,  # h [m]
     )
 
 
@@ -119,6 +131,7 @@ def _freedoms(case: Case) -> int:
 
 
 def _sizes(case: Case, s: int) -> tuple[int, int, int, int]:
+    """Return coordinates of a rod, all of them, rank of the constraints, size of K of Eq. (22)."""
     K, _, C = Multipliers(s).matrices(case.mechanism, case.pose)
     arm = case.mechanism.platform_points[0]
     rod = limb_selection(0, len(case.mechanism.limbs), s, arm).shape[0]

@@ -1,56 +1,57 @@
-"""What the verdicts on the paper's claims rest on: figures alone, in SI units unless named so."""
+"""What the verdicts on the paper's claims rest on, each figure measured when it is first asked for.
+
+SI units unless a name says otherwise.
+"""
 
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
+from analytic import Limits, Pose, Substructure, limbs_at
 from harness import published
-from harness.presets import PAPER_MODEL
-from reference_models import Named
+from harness.bench import Bench, Study
+from harness.cases import PRESETS, Case
+from harness.causes import THEORIES as NAMES
+from harness.compare import match
+from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, PAPER_MODEL, STAND_IN, solid_truth
+from harness.studies.claims.equations import equations
+from harness.studies.cost.work import FORMULATIONS, counted
+from harness.studies.precision import SOLVERS, timed_rows
+from harness.studies.slenderness import slenderness, with_rods
+from harness.studies.workspace import whole
+from harness.studies.workspace.checks import largest_ripple, rises, turned
+from harness.studies.workspace.map import Region, solve
+from harness.timing import Timed, Way, time_ways
+from reference_models import Named, UnavailableError, parse
 
 Floats = NDArray[np.float64]
 CASES = ("case1", "case2")
 """The two of Table I."""
+TABLE = tuple(PRESETS[name] for name in CASES)
 PAPER = PAPER_MODEL
-THEORIES = tuple(Named(name, None) for name in ("euler-bernoulli", "rayleigh", "timoshenko"))
+THEORIES = tuple(Named(name, None) for name in NAMES)
 EXACT, _, TIMOSHENKO = THEORIES
 STEPS = range(1, 9)
 """Numbers of elements that are solved."""
+COST_STEPS = (1, 2, 3, 4, 8, 16, 32, 64)
+"""Numbers of elements at which formulations are compared."""
+MODES = 6
+ROUNDS = 11
+THINNEST = 0.02
+LIMIT_ANGLES = (30.0, 45.0, 60.0)
+HEIGHTS = 801
+"""Heights of the scan for one that gives both rows of Table I."""
 
 
-def _matrices() -> dict[str, Any]:
-    return tomllib.loads(published.text("equations.toml"))
-
-
-@dataclass(frozen=True)
-class Printed:
-    """The paper's own numbers: Table I, the errors quoted with Fig. 3, times and blocks' widths.
-
-    `matrices` by equation: "columns", and by "rows" each one's widths, as (a, b) for a s + b.
-    """
-
-    table: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=published.table1)
-    figure3: Mapping[tuple[str, int, int], float] = field(default_factory=published.figure3)
-    cost: Mapping[str, float] = field(default_factory=published.cost)
-    matrices: Mapping[str, Any] = field(default_factory=_matrices)
-
-
-@dataclass(frozen=True)
-class Beams:
-    """The beam theories' f1-f6 [Hz] by (case, model), in the order of the paper's modes.
-
-    `scan_z` (n,) and `scan` by case (n, 6): the paper's model over height at the case's angles.
-    `lengths`: case name to shortest and longest limb.
-    """
-
-    hertz: Mapping[tuple[str, Named], Floats]
-    scan_z: Floats
-    scan: Mapping[str, Floats]
-    lengths: Mapping[str, tuple[float, float]]
+class UnmeasuredError(RuntimeError):
+    """A simulator that is there failed, with the reason."""
 
 
 @dataclass(frozen=True)
@@ -63,85 +64,241 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Slender:
-    """Both beam theories as rods grow stout: ratios d/L (n,), the last the printed one.
-
-    `frequencies`: largest relative difference of f1-f6 over both cases, (n, 6) [%]; `stiffness`:
-    that of the platform's static stiffness, (n,) [%].
-    """
-
-    ratios: Floats
-    frequencies: Floats
-    stiffness: Floats
-
-
-@dataclass(frozen=True)
-class Equations:
-    """Residuals of Eqs. (1)-(22) as printed."""
-
-    rotation: float  # largest of |R^T R - 1| and |det R - 1|, Eq. (1)
-    phi_alone: float  # how far R turns for PHI alone [rad]
-    theta_axis: float  # angle of R's axis from x for THETA alone [rad]
-    beside_plane: float  # largest distance of an A_i from its joint's plane, Eq. (2) [m]
-    lengths_apart: float  # largest difference of L_i, Eq. (3), from the model's [m]
-    compatibility: float  # largest error of Eq. (10), relative to the arm
-    freedoms: int  # of the platform with its actuators free
-    # By s: coordinates of a rod, all of them, rank of the constraints, size of K of Eq. (22).
-    sizes: Mapping[int, tuple[int, int, int, int]]
-    headings: Floats  # turns of the base (n,) [rad]
-    eq17: Floats  # smallest |denominator| over limbs and poses (n,)
-    eq18: Floats
-    axis_rise: float  # largest vertical component of a revolute axis
-    axis_motion: float  # largest change of a revolute axis from pose to pose
-    joints_open: float  # largest |C u| of a mode for unit largest motion
-    multipliers_apart: float  # largest relative difference of f1-f6 from those with multipliers
-    multipliers: int  # their number
-    base_clamped: Mapping[str, Floats]  # relative change of f1-f6 by case if Phi_Bi = 0
-    moments: Floats  # the printed platform's Jx, Jy, Jz over its mass [m^2]
-    thickness: float  # h [m]
-
-
-@dataclass(frozen=True)
 class Spent:
-    """What a formulation takes for a pose: seconds by round, of the eigen-solution, operations."""
+    """What a way takes for a pose.
+
+    Attributes: `seconds` by round; `solves`, those of its eigen-solution, by call; `work` counted:
+    operations of a formulation, coordinates of finite elements.
+    """
 
     seconds: Floats
-    solve: float
-    flops: float
+    solves: Floats
+    work: float
+
+    def over(self, other: "Spent") -> tuple[Floats, Floats, float]:
+        """Return ratios to another: of seconds and of solves, call by call, and of work."""
+        parts = []
+        for own, its in ((self.seconds, other.seconds), (self.solves, other.solves)):
+            calls = min(len(own), len(its))
+            parts.append(own[-calls:] / its[-calls:])
+        return parts[0], parts[1], self.work / other.work
 
 
-@dataclass(frozen=True)
-class Maps:
-    """The regular workspace and f1-f3 of the paper's model in it."""
-
-    ripple: Floats  # (3,): largest (max - min) / mean round a circle
-    turned: float  # largest relative change under a turn from limb to limb
-    period: float  # that turn [deg]
-    steps: int  # steps from layer to layer
-    rising: int  # those that do not fall
-    z: Floats  # (n,) [m]
-    level: Floats  # f1 of the level platform, (n,) [Hz]
-    limit: float  # of the joints [deg]
-    volumes: Mapping[float, tuple[float, float]]  # by limit: of cone, of all circles [rad^2 m]
-
-
-_NONE: Any = None
-
-
-@dataclass(frozen=True)
 class Facts:
-    """All of it; a group that was not measured is None, and no check that reads it is asked.
+    """All figures about `cases`; of those that are `given` nothing is measured.
 
-    `times` by formulation; `fea_times`: seconds of a pose by round, the paper's model first, the
-    stand-in for ANSYS next; solids take so much longer that they are timed once.
+    Rows of all that was solved, for the history, are in `solved`. A figure that a simulator is
+    missing for raises `UnavailableError`, one that it failed at `UnmeasuredError`.
     """
 
-    printed: Printed = field(default_factory=Printed)
-    beams: Beams = _NONE
-    fea: Reference = _NONE
-    solid: Reference = _NONE
-    slender: Slender = _NONE
-    equations: Equations = _NONE
-    times: Mapping[str, Spent] = _NONE
-    fea_times: Mapping[str, Floats] = _NONE
-    maps: Maps = _NONE
+    def __init__(self, bench: Bench, cases: Sequence[Case] = TABLE, **given: Any) -> None:
+        self.bench, self.cases = bench, cases
+        self.solved: list[dict[str, Any]] = []
+        vars(self).update(given)
+
+    def but(self, **given: Any) -> "Facts":
+        """Return these facts with others in the place of some."""
+        return Facts(**(vars(self) | {"solved": self.solved} | given))
+
+    @cached_property
+    def printed(self) -> Any:
+        """The paper's own numbers.
+
+        `table` by case and row, `figure3` by case, s and mode, `cost`, and `matrices` by equation:
+        "columns", and by "rows" each one's widths, as (a, b) for a s + b.
+        """
+        return SimpleNamespace(
+            table=published.table1(), figure3=published.figure3(), cost=published.cost(),
+            matrices=tomllib.loads(published.text("equations.toml")),
+        )  # fmt: skip
+
+    def _sound(self, failures: Iterable[str]) -> None:
+        if reasons := "; ".join(dict.fromkeys(failures)):
+            raise UnmeasuredError(reasons)
+
+    def _run(self, cases: Sequence[Case], models: Sequence[Named]) -> Study:
+        return self._kept(self.bench.run(cases, models, MODES))
+
+    def _kept(self, study: Study) -> Study:
+        self.solved += study.rows()
+        self._sound(f"{m.label}: {why}" for (_, m), why in study.failures.items())  # type: ignore[attr-defined]
+        return study
+
+    def _paired(self, study: Study, case: Case, model: Named) -> tuple[Floats, Floats]:
+        """Return f1-f6 and their uncertainty [Hz] in the order of the paper's modes."""
+        found = match(study, case, PAPER, model)
+        assert found is not None, "both have an answer"
+        if found.pairing.doubtful.any():
+            lost = 1 + int(np.argmax(found.pairing.doubtful))
+            raise UnmeasuredError(f"{model.label}: no mode at {case.name} looks like f{lost}")
+        return found.against, np.nan_to_num(found.uncertainty)
+
+    def reference(self, model: Named) -> Reference:
+        """Return a simulator's frequencies, paired by shape."""
+        study = self._run(self.cases, [PAPER, model])
+        found = {case.name: self._paired(study, case, model) for case in self.cases}
+        hertz, uncertainty = ({name: pair[k] for name, pair in found.items()} for k in (0, 1))
+        return Reference(model.label, hertz, uncertainty)
+
+    @cached_property
+    def fea(self) -> Reference:
+        """What stands in for ANSYS."""
+        return self.reference(parse(STAND_IN, "reference"))
+
+    @cached_property
+    def solid(self) -> Reference:
+        """The quickest solid that can run here, extrapolated."""
+        solid = solid_truth(LIMB_SOLIDS)
+        if solid is None:
+            reasons = (f"{name}: {Named(name, None).info().missing}" for name in LIMB_SOLIDS)
+            raise UnavailableError("; ".join(reasons))
+        return self.reference(solid)
+
+    @cached_property
+    def hertz(self) -> dict[tuple[str, Named], Floats]:
+        """The beam theories' f1-f6 [Hz] by (case, model), in the order of the paper's modes.
+
+        With and without elements at the cases, and every other reading of the paper.
+        """
+        models = [*(Named(PAPER.name, s) for s in STEPS), *THEORIES]
+        study = self._run(self.cases, [PAPER, *models])
+        hertz = {(c.name, m): self._paired(study, c, m)[0] for c in self.cases for m in models}
+        for case in PRESETS.values():
+            own = self._run([case], [case.theory]).answers[case, case.theory].frequencies[:MODES]
+            hertz.setdefault((case.name, case.theory), own)
+        return hertz
+
+    @cached_property
+    def scan_z(self) -> Floats:
+        """Heights over the printed stroke, level: o is as high as a limb's end, (n,)."""
+        return np.linspace(Limits().length_min, Limits().length_max, HEIGHTS)
+
+    @cached_property
+    def scan(self) -> dict[str, Floats]:
+        """The paper's model over `scan_z` at each case's angles, (n, 6) [Hz]."""
+        scan = {}
+        for case in self.cases:
+            poses = Pose(self.scan_z, case.pose.azimuth, case.pose.tilt)
+            answers = solve(PAPER, case.mechanism, poses, MODES, self.bench)
+            self._sound(answers.failures.values())
+            self.solved += answers.rows(PAPER, case.mechanism, poses)
+            scan[case.name] = answers.frequencies
+        return scan
+
+    @cached_property
+    def lengths(self) -> dict[str, tuple[float, float]]:
+        """The shortest and the longest limb of every case and reading."""
+        known = {c.name: limbs_at(c.mechanism, c.pose).lengths
+                 for c in [*PRESETS.values(), *self.cases]}  # fmt: skip
+        return {name: (float(found.min()), float(found.max())) for name, found in known.items()}
+
+    @cached_property
+    def slender(self) -> Any:
+        """Both theories as rods grow stout: `ratios` d/L (n,), the last the printed one.
+
+        `frequencies`: largest relative difference of f1-f6 over the cases, (n, 6) [%]; `stiffness`:
+        that of the platform's static stiffness, (n,) [%].
+        """
+        lengths = [limbs_at(c.mechanism, c.pose).lengths.mean() for c in self.cases]
+        printed = (c.mechanism.limbs[0].rod.diameter for c in self.cases)
+        most = max(d / L for d, L in zip(printed, lengths, strict=True))
+        ratios = np.geomspace(THINNEST, most, 6)
+        shown = range(1, MODES + 1)
+        result = slenderness(self.cases, ratios.tolist(), [EXACT], TIMOSHENKO, shown, self.bench)
+        self._kept(result.study)
+        stiffness = [
+            max(100 * np.abs(_stiffness_ratios(with_rods(c, r)) - 1).max() for c in self.cases)
+            for r in ratios.tolist()
+        ]
+        apart = np.abs([result.errors[case, EXACT] for case in self.cases]).max(axis=0)
+        return SimpleNamespace(ratios=ratios, frequencies=apart, stiffness=np.array(stiffness))
+
+    @cached_property
+    def equations(self) -> Any:
+        """The residuals of Eqs. (1)-(22) as printed: `equations`."""
+        return equations(self.cases)
+
+    def _timed(self, models: Sequence[Named]) -> list[Timed]:
+        """Return what every model takes for the last case, all of them in turns."""
+        case = self.cases[-1]
+        timings = time_ways(self.bench, [Way(m) for m in models], [case], ROUNDS, MODES)
+        for one in timings.timed:
+            self.solved += timed_rows(one, [case], "claims")
+        reasons = timings.failures if len(timings.timed) == len(models) else timings.left_out
+        self._sound(f"{k}: {why}" for k, why in (reasons | timings.failures).items())
+        return list(timings.timed)
+
+    @cached_property
+    def times(self) -> dict[str, dict[int, Spent]]:
+        """What a pose takes without and with multipliers by formulation and s, also counted."""
+        limbs = len(self.cases[-1].mechanism.limbs)
+        kinds = {"paper": PAPER} | {
+            solver: Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS
+        }
+        ways = {(k, s): replace(kinds[k], elements=s) for s in COST_STEPS for k in FORMULATIONS}
+        found: dict[str, dict[int, Spent]] = {name: {} for name in FORMULATIONS}
+        for (name, s), one in zip(ways, self._timed(list(ways.values())), strict=True):
+            found[name][s] = Spent(one.seconds, one.solves, counted(name, s, limbs).flops)
+        return found
+
+    @cached_property
+    def fea_times(self) -> dict[str, Spent]:
+        """What a pose takes by the paper's model, the stand-in for ANSYS, and a solid.
+
+        The solid takes so much longer that it is timed once. `Spent.work` are coordinates: those
+        of the paper's way are what it solves for.
+        """
+        models = [PAPER, parse(STAND_IN, "reference")]
+        found = {
+            model.label: Spent(one.seconds, one.solves, float(one.dofs or 0))
+            for model, one in zip(models, self._timed(models), strict=True)
+        }
+        solid, case = solid_truth(), self.cases[-1]
+        if solid is not None:
+            study = self.bench.run([case], [solid], MODES)
+            self.solved += study.rows()
+            modes = study.get(case, solid)
+            if modes is not None:
+                whole, solve = np.array([modes.seconds]), np.array([modes.solve_seconds])
+                found[solid.label] = Spent(whole, solve, float(modes.dofs))
+        return found
+
+    @cached_property
+    def maps(self) -> Any:
+        """The regular workspace and f1-f3 of the paper's model in it."""
+        mechanism, limits = self.cases[0].mechanism, Limits()
+        region, limbs = Region.of(mechanism, limits), len(mechanism.limbs)
+        data = whole(region, PAPER, 3, self.bench)
+        self._sound(data.answers.failures.values())
+        self.solved += data.rows()
+        change, _ = rises(data)
+        volumes = {}
+        for angle in LIMIT_ANGLES:
+            held = Limits(spherical_max=np.radians(angle), revolute_max=np.radians(angle))
+            there = region if held == limits else Region.of(mechanism, held)
+            volumes[angle] = (there.cone.volume, there.circles.volume)
+        return SimpleNamespace(
+            ripple=largest_ripple(data),  # (3,): largest (max - min) / mean round a circle
+            turned=turned(data, limbs),  # largest relative change under a turn from limb to limb
+            period=360 / limbs,  # that turn [deg]
+            steps=int(np.isfinite(change).sum()),  # from layer to layer
+            rising=int((change >= 0).sum()),  # those that do not fall
+            z=data.grid.z,  # (n,) [m]
+            level=data.frequencies[:, 0, 0, 0],  # f1 of the level platform, (n,) [Hz]
+            limit=float(np.degrees(limits.spherical_max)),  # of the joints [deg]
+            volumes=volumes,  # by limit: of cone, of all circles [rad^2 m]
+        )
+
+
+def _stiffness_ratios(case: Case) -> Floats:
+    """Return the platform's static stiffness by Euler-Bernoulli over that by Timoshenko, (6,).
+
+    Eigenvalues of the pair: the extremes over all directions of load.
+    """
+    pair = []
+    for model in (EXACT, TIMOSHENKO):
+        theory = Substructure(PAPER_ELEMENTS, model.name)
+        K = theory.matrices(case.mechanism, case.pose)[0].toarray()
+        pair.append(np.linalg.inv(np.linalg.inv(K)[-6:, -6:]))
+    euler, timoshenko = ((A + A.T) / 2 for A in pair)
+    return np.asarray(scipy.linalg.eigh(euler, timoshenko, eigvals_only=True))

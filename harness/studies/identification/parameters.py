@@ -107,7 +107,7 @@ def described(values: Mapping[str, float], inertia: str, like: Mechanism) -> tup
     mechanism = Mechanism.regular(
         si["base_radius_mm"],
         si["platform_radius_mm"],
-        Rod(material, si["rod_diameter_mm"]),
+        Rod.round(material, si["rod_diameter_mm"]),
         Platform.diagonal(mass, (across, across, polar), INERTIAS[inertia]),
         heading=heading(like),
     )

@@ -64,6 +64,11 @@ class Problem:
         return f"{label(self.model)}{printed}"
 
     @property
+    def frames(self) -> str:
+        """Whose frames these are: "stated" or "mirrored"."""
+        return "mirrored" if self.mirrored else "stated"
+
+    @property
     def label(self) -> str:
         """Theory, elements, inertia and frames of the model."""
         return self.theory + (", mirrored frames" if self.mirrored else "")

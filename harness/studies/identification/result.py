@@ -1,6 +1,6 @@
-"""What an identification says: tables, sentences, and mechanisms for the history."""
+"""What an identification says: tables, and mechanisms for the history."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -9,17 +9,15 @@ import numpy as np
 
 from harness.bench import SPARE, Bench, label
 from harness.cases import Case
+from harness.compare import cell, cells
 from harness.result import Result
 from harness.rows import mode_rows, settings
-from harness.studies.identification.directions import directions, quantities, sensitivities
 from harness.studies.identification.estimate import LEVEL, Fit, Reading
 from harness.studies.identification.parameters import described
-from harness.studies.identification.problem import Problem
 from harness.tables import Cell, Number, Table
 from harness.workers import Failure
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 SHOWN, KEPT = 3, 12
@@ -32,8 +30,8 @@ MIRRORED = (
 )
 ENDS = ("alone_from", "alone_to", "together_from", "together_to")
 """Columns of the ends of 95 % intervals."""
-PINNED, LOOSE = 0.05, 0.5
-"""A deviation below which a combination is called pinned down, or known loosely."""
+VERDICTS = {0.05: "pins it down", 0.5: "knows it loosely", np.inf: "leaves it open"}
+"""What is said of a deviation below each of these."""
 IDENTIFIED = "identified"
 """The case in a row: a fitted mechanism is not that of the table's case, which is in `settings`."""
 
@@ -54,28 +52,23 @@ class Identification(Result):
         """Return what the models say of the fitted mechanisms."""
         return list(self.kept)
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a fit or reading and parameter, in the unit of the parameter's name.
 
         Ends of 95 % intervals of the parameter alone, and of all together; NaN where none is known.
         """
-        import pandas as pd
-
-        rows: list[dict[str, Any]] = []
         for one in self.fits:
-            how = _about(one, "fit", 1)
             for k, (name, value) in enumerate(one.fitted.items()):
-                ends = zip(ENDS, (*one.alone[0, k], *one.together[0, k]), strict=True)
+                ends = zip(ENDS, (*one.alone[k], *one.together[k]), strict=True)
                 own = {"parameter": name, "value": value, **dict(ends)}
-                rows.append(how | own | {"at_bound": bool(one.open[0, k].any())})
-        for _, _, some in _grouped(self.readings):
+                yield _about(one, "fit", 1) | own | {"at_bound": bool(one.open[k].any())}
+        for _, _, some in grouped(self.readings):
             for rank, r in enumerate(some[:KEPT], start=1):
-                how = _about(r, "reading", rank)
-                rows += [
-                    how | {"parameter": name, "value": value, "at_bound": name in r.held}
-                    for name, value in r.fitted.items()
-                ] or [how]
-        return pd.DataFrame(rows)
+                how, held = _about(r, "reading", rank), r.held
+                if not r.fitted:
+                    yield how
+                for name, value in r.fitted.items():
+                    yield how | {"parameter": name, "value": value, "at_bound": name in held}
 
     def tables(self) -> dict[str, Table]:
         """Return readings, parameters, what is left, and what the table pins down."""
@@ -83,7 +76,8 @@ class Identification(Result):
         found["-parameters"] = parameters_table(self.fits)
         found["-residuals"] = residuals_table(self.fits)
         if self.fits[-1].problem.whole:
-            found["-directions"], found["-quantities"] = pinned_tables(self.fits[-1])
+            found["-directions"] = directions_table(self.fits[-1])
+            found["-quantities"] = quantities_table(self.fits[-1])
         return found
 
     def figures(self) -> dict[str, "Figure"]:
@@ -99,56 +93,43 @@ class Identification(Result):
         return sentences(self.fits, self.readings)
 
 
-def _about(one: Fit | Reading, kind: str, rank: int) -> dict[str, Any]:
+def _about(one: Reading, kind: str, rank: int) -> dict[str, Any]:
     problem = one.problem
     return {
-        "table": problem.table.source,
-        "model": label(problem.model),
-        "inertia": problem.inertia,
-        "frames": "mirrored" if problem.mirrored else "stated",
-        "free": len(problem.names),
-        "kind": kind,
-        "rank": rank,
-        "rms_percent": 100 * one.rms,
-        "worst_percent": worst(one),
-        "aicc": one.criterion if isinstance(one, Reading) else np.nan,
-    }
-
-
-def worst(one: Fit | Reading) -> float:
-    """Return the largest error without its sign [%]."""
-    return 100 * float(np.abs(one.error).max())
+        "table": problem.table.source, "model": label(problem.model), "inertia": problem.inertia,
+        "frames": problem.frames, "free": len(problem.names), "kind": kind, "rank": rank,
+        "rms_percent": 100 * one.rms, "worst_percent": one.worst,
+        "aicc": np.nan if kind == "fit" else one.criterion,
+    }  # fmt: skip
 
 
 def readings_table(ranked: Sequence[Reading]) -> Table:
     """Return the best readings of every number of free parameters, and what they miss [%]."""
-    rows: list[tuple[Cell, ...]] = [
-        (count, frames, rank, r.problem.theory, values_text(r), Number(100 * r.rms, 2),
-         Number(worst(r), 2),
-         Number(r.criterion, 1) if np.isfinite(r.criterion) else "too few values")
-        for count, frames, some in _grouped(ranked)
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (count, frames, rank, r.problem.theory, str(r), Number(100 * r.rms, 2), Number(r.worst, 2),
+         cell(r.criterion, 1, none="too few values"))
+        for count, frames, some in grouped(ranked)
         for rank, r in enumerate(some[:SHOWN], start=1)
-    ]  # fmt: skip
+    )  # fmt: skip
     columns = ("Free", "Frames", "Rank", "Model", "Fitted", "rms [%]", "worst [%]", "AICc")
     table, best = ranked[0].problem.table, simplest(ranked)
-    notes = [
+    notes = (
         f"of {table.source}; what is not named is as in {', '.join(c.name for c in table.cases)}",
         f"{len(ranked)} readings: every choice of so many candidates, under every model; rms over "
         "different values: a repeated mode counts once; *: at a bound",
         f"AICc: Akaike's criterion for few values; differences below {ALIKE} mean nothing. Fewest "
-        f"parameters among the best: {best.problem.label}, {values_text(best)}",
+        f"parameters among the best: {best.problem.label}, {best}",
         closest_note(ranked),
-    ]
-    if any(r.problem.mirrored for r in ranked):
-        notes.append(MIRRORED)
-    return Table("Readings ranked by free parameters", columns, tuple(rows), tuple(notes))
+        *((MIRRORED,) if any(r.problem.mirrored for r in ranked) else ()),
+    )
+    return Table("Readings ranked by free parameters", columns, rows, notes)
 
 
-def _grouped(ranked: Sequence[Reading]) -> Iterator[tuple[int, str, list[Reading]]]:
+def grouped(ranked: Sequence[Reading]) -> Iterator[tuple[int, str, list[Reading]]]:
     """Yield readings by number of free parameters and frames, best first."""
     order = sorted(ranked, key=lambda r: (len(r.x), r.problem.mirrored, r.rms))
-    for (count, slip), group in groupby(order, key=lambda r: (len(r.x), r.problem.mirrored)):
-        yield count, "mirrored" if slip else "stated", list(group)
+    for (count, frames), group in groupby(order, key=lambda r: (len(r.x), r.problem.frames)):
+        yield count, frames, list(group)
 
 
 def simplest(ranked: Sequence[Reading]) -> Reading:
@@ -160,7 +141,7 @@ def simplest(ranked: Sequence[Reading]) -> Reading:
 
 def closest_note(ranked: Sequence[Reading]) -> str:
     """Return in words how near the closest reading comes to all values."""
-    table, closest = ranked[0].problem.table, min(worst(r) for r in ranked)
+    table, closest = ranked[0].problem.table, min(r.worst for r in ranked)
     rounding = 50 * float((table.step / table.frequencies).max())
     if closest <= rounding:
         return "the closest meets every value to its last digit"
@@ -170,48 +151,37 @@ def closest_note(ranked: Sequence[Reading]) -> str:
     )
 
 
-def values_text(reading: Reading) -> str:
-    """Return what a reading's parameters are fitted to; *: at a bound."""
-    pairs = reading.fitted.items()
-    text = ", ".join(f"{n} {v:.4g}{'*' if n in reading.held else ''}" for n, v in pairs)
-    return text or "nothing"
-
-
 def parameters_table(fits: Sequence[Fit]) -> Table:
     """Return fitted parameters with their intervals, and whether what was given lies inside."""
     rows: list[tuple[Cell, ...]] = []
-    notes = []
+    notes, level = [], f"{100 * LEVEL:.0f} %"
     for one in fits:
-        name, table = one.problem.label, one.problem.table
         for k, (parameter, value) in enumerate(one.fitted.items()):
-            given, (low, high) = float(one.problem.given[k]), one.together[0, k]
-            ends = [
+            given, (low, high) = float(one.problem.given[k]), one.together[k]
+            ends = (
                 f"none ({_number(end)})" if opened else _number(end)
-                for end, opened in zip((low, high), one.open[0, k], strict=True)
-            ]
+                for end, opened in zip((low, high), one.open[k], strict=True)
+            )
             rows.append(
-                (name, parameter, _number(value), *(_number(end) for end in one.alone[0, k]),
-                 *ends, _number(given), "inside" if low <= given <= high else "outside")
+                (one.problem.label, parameter, _number(value), *map(_number, one.alone[k]), *ends,
+                 _number(given), "inside" if low <= given <= high else "outside")
             )  # fmt: skip
         source = "as given"
         if one.assumed is None:
             source = f"from the residuals themselves ({one.freedom} to spare)"
-        elif one.assumed == table.rounding:
+        elif one.assumed == one.problem.table.rounding:
             source = "from the rounding of the table"
         notes.append(
-            f"{name}: rms {100 * one.rms:.2f} %, noise {100 * one.noise[0]:.3g} % a value, "
-            f"{source}; {one.reached[0]} starts met at this minimum"
+            f"{one.problem.label}: rms {100 * one.rms:.2f} %, noise {100 * one.noise:.3g} % a "
+            f"value, {source}; {one.reached} starts met at this minimum"
         )
-    level = f"{100 * LEVEL:.0f} %"
     notes += [
         f"profile likelihood: 'alone' holds each true value in {level} of tables, 'together' all "
         f"of them at once in at least {level}",
         "none (bound): the parameter's bound came first; the table sets no end before it",
     ]
-    columns = (
-        "Model", "Parameter", "Fitted", "alone: from", "to", "together: from", "to", "Given",
-        "Given lies",
-    )  # fmt: skip
+    columns = ("Model", "Parameter", "Fitted", "alone: from", "to", "together: from", "to",
+               "Given", "Given lies")  # fmt: skip
     title = f"Parameters of {fits[0].problem.table.source}"
     return Table(title, columns, tuple(rows), tuple(notes))
 
@@ -225,59 +195,48 @@ def _number(value: float) -> Number:
 def residuals_table(fits: Sequence[Fit]) -> Table:
     """Return what each fit leaves, by case and mode [%]."""
     rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (one.problem.label, case.name, *(Number(100 * float(e), 2, signed=True) for e in error))
+        (one.problem.label, case.name, *cells(100 * error, signed=True))
         for one in fits
         for case, error in zip(one.problem.table.cases, one.error, strict=True)
     )
-    modes = fits[0].problem.table.frequencies.shape[1]
-    columns = ("Model", "Case", *(f"f{i} [%]" for i in range(1, modes + 1)))
+    columns = ("Model", "Case", *(f"f{i} [%]" for i in range(1, fits[0].error.shape[1] + 1)))
     return Table("What the fits leave: f over the table's, less 1", columns, rows)
 
 
-def pinned_tables(one: Fit) -> tuple[Table, Table]:
-    """Return the products of powers, and the named combinations, and how well each is known."""
-    whole, x, J = sensitivities(one.problem, one.fitted)
-    noise = float(one.noise[0])
-    products: list[tuple[Cell, ...]] = []
-    for d in directions(whole.names, J, noise):
-        size: Cell = Number(100 * d.deviation, 2) if d.deviation < 10 else "over 1000"
-        known = np.isfinite(d.deviation)
-        products.append((str(d), size if known else "infinite", _verdict(d.deviation)))
-    named = tuple(
+def directions_table(one: Fit) -> Table:
+    """Return the products of powers, and how well each is known."""
+    rows = tuple(
+        (str(d), cell(100 * d.deviation, none="infinite") if not 10 <= d.deviation < np.inf
+         else "over 1000", _verdict(d.deviation))
+        for d in one.directions
+    )  # fmt: skip
+    notes = (
+        f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
+        "left out; theta and phi: tilt and azimuth themselves",
+        "infinite: frequencies do not change at all along these, whatever the table; they tell "
+        "neither scale nor E and rho raised alike",
+    )
+    columns = ("Product of powers", "1 sigma [%]", "The table")
+    return Table("What the table pins down, and what not", columns, rows, notes)
+
+
+def quantities_table(one: Fit) -> Table:
+    """Return the named combinations, and how well each is known."""
+    rows = tuple(
         (q.name, Number(q.value, 4), Number(100 * q.before, 1), Number(100 * q.after, 1),
          _verdict(q.after))
-        for q in quantities(whole, x, J, noise)
+        for q in one.quantities
     )  # fmt: skip
-    return (
-        Table(
-            "What the table pins down, and what not",
-            ("Product of powers", "1 sigma [%]", "The table"),
-            tuple(products),
-            (
-                f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers "
-                "below 0.1 left out; theta and phi: tilt and azimuth themselves",
-                "infinite: frequencies do not change at all along these, whatever the table; they "
-                "tell neither scale nor E and rho raised alike",
-            ),
-        ),
-        Table(
-            "Named combinations",
-            ("Combination", "Value", "by bounds, 1 sigma [%]", "with the table [%]", "The table"),
-            named,
-            (
-                f"{one.problem.label}; E and rho as given, all else free within its bounds",
-                "L: a limb without tilt; m, Jz: the platform's mass and polar moment of inertia",
-            ),
-        ),
+    notes = (
+        f"{one.problem.label}; E and rho as given, all else free within its bounds",
+        "L: a limb without tilt; m, Jz: the platform's mass and polar moment of inertia",
     )
+    columns = ("Combination", "Value", "by bounds, 1 sigma [%]", "with the table [%]", "The table")
+    return Table("Named combinations", columns, rows, notes)
 
 
 def _verdict(deviation: float) -> str:
-    if not np.isfinite(deviation):
-        return "cannot see it"
-    if deviation < PINNED:
-        return "pins it down"
-    return "knows it loosely" if deviation < LOOSE else "leaves it open"
+    return next((said for most, said in VERDICTS.items() if deviation < most), "cannot see it")
 
 
 def solved(fits: Sequence[Fit], ranked: Sequence[Reading], bench: Bench) -> list[dict[str, Any]]:
@@ -286,31 +245,29 @@ def solved(fits: Sequence[Fit], ranked: Sequence[Reading], bench: Bench) -> list
     Of every fit, and of the best reading of each number of free parameters; those with mirrored
     frames left out, for they are no mechanism.
     """
-    best = [some[0] for count, frames, some in _grouped(ranked) if count and frames == "stated"]
-    found: dict[tuple[object, ...], Fit | Reading] = {}
-    everything: list[Fit | Reading] = [*fits, *best]
-    for one in everything:
-        problem = one.problem
-        if not problem.mirrored:
-            found.setdefault((problem.model, problem.names, problem.inertia), one)
-    return [row for one in found.values() for row in _rows(one.problem, one.fitted, bench)]
+    best = [some[0] for count, _, some in grouped(ranked) if count]
+    found: dict[tuple[object, ...], Reading] = {}
+    for one in (*fits, *best):
+        if not one.problem.mirrored:
+            found.setdefault((one.problem.model, one.problem.names, one.problem.inertia), one)
+    return [row for one in found.values() for row in _rows(one, bench)]
 
 
-def _rows(problem: Problem, values: Mapping[str, float], bench: Bench) -> list[dict[str, Any]]:
-    """Return what the model says of the mechanism with the fitted `values`.
+def _rows(one: Reading, bench: Bench) -> list[dict[str, Any]]:
+    """Return what the model says of the mechanism with the fitted values.
 
     To six digits, beyond which another seed finds others (5e-6 measured): another machine's last
     bits then hardly ever make of the same fit another mechanism with a hash of its own.
     """
-    fitted = {name: float(f"{value:.6g}") for name, value in values.items()}
-    table, model = problem.table, problem.model
+    fitted = {name: float(f"{value:.6g}") for name, value in one.fitted.items()}
+    table, model, inertia = one.problem.table, one.problem.model, one.problem.inertia
     count = table.frequencies.shape[1]
     found = []
-    for case, own in zip(table.cases, problem.at(fitted), strict=True):
-        mechanism, pose = described(own, problem.inertia, case.mechanism)
+    for case, own in zip(table.cases, one.problem.at(fitted), strict=True):
+        mechanism, pose = described(own, inertia, case.mechanism)
         how = settings(model, count + SPARE, table=table.source, case=case.name, fitted=fitted)
         modes = bench.solve(model, mechanism, pose, count + SPARE)
         if not isinstance(modes, Failure):
-            one = Case(IDENTIFIED, mechanism, pose, f"fitted to {table.source}")
-            found += mode_rows(one, label(model), how, modes, count)
+            there = Case(IDENTIFIED, mechanism, pose, f"fitted to {table.source}")
+            found += mode_rows(there, label(model), how, modes, count)
     return found

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import stats
 
-from harness.studies.identification.directions import combinations, quantities, sensitivities
+from harness.studies.identification.directions import combinations
 from harness.studies.identification.estimate import LEVEL, Fit, Reading
-from harness.studies.identification.result import ALIKE, closest_note, values_text, worst
+from harness.studies.identification.result import ALIKE, closest_note
 
 PINNED = "d / L^2 [1/m]"
 """Bending frequencies of a limb of length L and diameter d grow with it."""
@@ -30,14 +30,13 @@ def sentences(fits: Sequence[Fit], ranked: Sequence[Reading]) -> list[str]:
 
 def _pinned(one: Fit) -> list[str]:
     """Return d / L^2 with its interval, beside what the given parameters make it."""
-    whole, x, J = sensitivities(one.problem, one.fitted)
-    (found,) = (q for q in quantities(whole, x, J, float(one.noise[0])) if q.name == PINNED)
+    (found,) = (q for q in one.quantities if q.name == PINNED)
     known = one.assumed is not None
     width = (stats.norm if known else stats.t(one.freedom)).ppf((1 + LEVEL) / 2)
     low, high = found.value * np.exp(np.array([-1, 1]) * width * found.after)
-    given = " and ".join(dict.fromkeys(f"{combinations(p)[PINNED]:.4f}" for p in whole.base))
+    given = " and ".join(dict.fromkeys(f"{combinations(p)[PINNED]:.4f}" for p in one.problem.base))
     return [
-        f"By {whole.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
+        f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
         f"{high:.4f} at {100 * LEVEL:.0f} %, E and rho as given); the given parameters make it "
         f"{given} 1/m."
     ]
@@ -50,8 +49,7 @@ def _one_free(ranked: Sequence[Reading]) -> list[str]:
         if len(reading.x) == 1:
             best.setdefault(reading.problem.mirrored, reading)
     words = [
-        f"{r.problem.label}, {values_text(r)} (rms {100 * r.rms:.2f} %, at most {worst(r):.2f} % "
-        "off)"
+        f"{r.problem.label}, {r} (rms {100 * r.rms:.2f} %, at most {r.worst:.2f} % off)"
         for r in best.values()
     ]
     if len(words) == 2:
@@ -64,7 +62,7 @@ def _lean(stated: Fit, mirrored: Fit) -> list[str]:
     problem, table = stated.problem, stated.problem.table
     k = problem.names.index(BASE)
     words = [
-        f"{one.fitted[BASE]:.0f} mm ({one.alone[0, k, 0]:.0f} to {one.alone[0, k, 1]:.0f})"
+        f"{one.fitted[BASE]:.0f} mm ({one.alone[k, 0]:.0f} to {one.alone[k, 1]:.0f})"
         for one in (stated, mirrored)
     ]
     radius = problem.base[0][PLATFORM]

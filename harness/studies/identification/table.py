@@ -56,8 +56,11 @@ class FrequencyTable:
 def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
     """Return one row a case of the paper's Table I: `method` "Theoretical" or "FEA".
 
-    Raises `InputError` for another method, and for cases that are not the paper's.
+    Cases of a paper that is data have its own methods. Raises `InputError` for another method, and
+    for cases that no paper prints.
     """
+    if all(case.printed for case in cases):
+        return _of_papers(method, cases)
     rows = published.table1()
     if method not in ("Theoretical", "FEA"):
         raise InputError("method", method, "Theoretical or FEA")
@@ -67,6 +70,27 @@ def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
     f = np.array([rows[case.published, method] for case in cases])
     source = f"the paper's Table I, row {method}"
     return FrequencyTable(source, tuple(cases), f, np.full(f.shape, 0.01))
+
+
+def _of_papers(method: str, cases: Sequence[Case]) -> FrequencyTable:
+    """Return what the cases' papers print by `method`, or by their only one: modes 1, 2, ..."""
+    known = list(dict.fromkeys(one.method for case in cases for one in case.printed))
+    chosen = known[0] if len(known) == 1 else method
+    if chosen not in known:
+        raise InputError("method", method, f"one of {', '.join(known)}")
+    rows = [
+        sorted((p for p in case.printed if p.method == chosen), key=lambda p: p.mode)
+        for case in cases
+    ]
+    count = min(map(len, rows))
+    for case, row in zip(cases, rows, strict=True):
+        if not count or [p.mode for p in row[:count]] != list(range(1, count + 1)):
+            expected = "modes from 1 on, none left out, of every case"
+            raise InputError("table", case.name, expected)
+    f = np.array([[p.frequency for p in row[:count]] for row in rows])
+    step = np.array([[2 * p.half for p in row[:count]] for row in rows])
+    papers = ", ".join(dict.fromkeys(case.paper.name for case in cases if case.paper))
+    return FrequencyTable(f"{papers}, {chosen}", tuple(cases), f, step)
 
 
 def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> FrequencyTable:

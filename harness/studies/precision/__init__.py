@@ -318,7 +318,7 @@ def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
         rounds = min(len(coarse.seconds), len(fine.seconds))
         seconds = coarse.seconds[:rounds] + fine.seconds[:rounds]
         model = replace(fine.way.model, elements=(a, b))  # type: ignore[type-var]
-        found.append(Timed(Way(model), seconds, None, None, answers))
+        found.append(Timed(Way(model), seconds, np.empty(0), np.empty(0), answers))
     return found
 
 

@@ -14,6 +14,9 @@ from harness.cases import PRESETS, Case
 from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history
+from harness.plan import Plan
+from harness.report.page import page_files
+from reference_models import Named
 
 OPTIONS = ("--models", "rayleigh,multipliers", "--baseline", "base", "--history", "past")
 
@@ -28,8 +31,12 @@ def test_from_the_first_baseline_to_a_reason(
     assert "expected a folder of accepted figures (rps-bench accept makes one)" in first.err
     assert rps_bench("accept", *OPTIONS, "--latest", "none").status == 0
 
+    Path("out").mkdir()
+    plan = Plan((PRESETS["case1"],), Named("rayleigh", 3), ())
+    Path("out/page.json").write_bytes(page_files(plan, (), None)["page.json"])
     clean = rps_bench("check", *OPTIONS, "--output", "out", "--junit", "one.xml")
     assert clean.status == 0 and "nothing moved" in clean.out
+    assert "Gate: passed." in Path("out/index.html").read_text(), "on the page that is there"
     said = json.loads(Path("out/check.json").read_text())
     assert said["status"] == "passed" and said["findings"] == []
     assert said["checked"]["frequency"] == 2 * (4 + 1 + 4) * 6

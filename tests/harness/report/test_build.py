@@ -2,9 +2,10 @@
 
 import json
 import re
-from base64 import b64encode
+from base64 import b64decode, b64encode
 from dataclasses import replace
 from datetime import UTC, datetime
+from gzip import decompress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from harness.history import store
 from harness.plan import Plan
 from harness.report import history, maps, recorded
 from harness.report.ledger import Ledger, variant
-from harness.report.page import content, load, load_check, page_files, render
+from harness.report.page import content, load, load_check, page_files, render, renewed
 from harness.report.recorded import Recorded, read_recorded
 from harness.report.studies import VERDICTS
 from harness.reproduce import Part
@@ -66,15 +67,16 @@ def test_the_first_screen_answers(kept: Any) -> None:
     assert "euler-bernoulli@3" in said["What was checked?"]
     assert "timoshenko@exact" in said["Against what?"]
     assert "3 of the 12 errors" in said["Where does the paper contradict itself?"]
-    assert "0.098 %" in first["finding"][0]
-    assert "1.35 to 1.91 % on f1-f3" in first["finding"][1]
+    found = {one["question"]: one["said"] for one in first["finding"]}
+    assert "0.098 %" in found["Are 3 elements a limb enough?"]
+    assert "1.35 to 1.91 % on f1-f3" in found["What does beam theory cost?"]
     assert {one["kind"]: one["count"] for one in first["verdicts"]} == dict.fromkeys(
         VERDICTS[:-1], 1
     )
     panels = first["fig3"]["panels"]
     assert [panel["title"] for panel in panels] == [
-        "case1: level platform",
-        "case2: tilted platform",
+        "Case 1: level platform",
+        "Case 2: tilted platform",
     ]
     labels = [one["modes"] for one in panels[0]["labels"]]
     upper, lower = labels[0], labels[-1]
@@ -103,6 +105,15 @@ def test_made_anew_it_is_the_same(made: Any) -> None:
     first = made.file.read_bytes()
     assert len(first) > len(anew), "it shows what failed"
     assert anew == render(load(made.results), made.history, {"status": "passed"})
+
+
+def test_the_gates_answer_comes_onto_the_page(made: Any, tmp_path: Path) -> None:
+    """The page says so where it was not asked; its answer is put there when it is."""
+    assert renewed(tmp_path, None) == {}
+    (tmp_path / "page.json").write_bytes((made.results / "page.json").read_bytes())
+    assert b"Gate: not asked yet." in renewed(tmp_path, None)["index.html"]
+    (tmp_path / "check.json").write_text('{"status": "passed", "summary": "nothing moved"}')
+    assert b"Gate: passed." in renewed(tmp_path, None)["index.html"]
 
 
 def test_files_of_others_are_refused(made: Any, tmp_path: Path) -> None:
@@ -330,7 +341,8 @@ def test_100_000_rows(made: Any, tmp_path: Path) -> None:
         store.append(tmp_path, rows, "rps-bench check", time)
     page = render(load(made.results), tmp_path, None)
     assert len(page) < MOST_BYTES
-    data = json.loads(re.search(rb'id="data-history">(.*?)</script>', page)[1])
+    packed = re.search(rb'id="data">(.*?)</script>', page)[1]
+    data = json.loads(decompress(b64decode(packed)))["history"]
     assert len(data["runs"]["run"]) == 500, "all of them"
 
 

@@ -162,6 +162,21 @@ def test_on_paper(made: Any, opened: Any) -> None:
         assert page.locator("#budget details[open]").count() == 0
 
 
+def test_the_first_screen_answers_five_questions(made: Any, opened: Any) -> None:
+    """On a usual screen, without a step: questions, verdicts, gate, figure and mechanism."""
+    with opened(made.file, viewport={"width": 1400, "height": 900}) as tab:
+        page = tab.page
+        asked = page.locator("#result .asked, #result dt")
+        assert asked.all_inner_texts() == [
+            "Are 3 elements a limb enough?", "What does beam theory cost?", "What was checked?",
+            "Against what?", "Where does the paper contradict itself?",
+        ]  # fmt: skip
+        for one in [*asked.all(), *page.locator("#result :is(.counts, .gate, svg, dd)").all()]:
+            box = one.bounding_box()
+            assert 0 < box["y"] < box["y"] + box["height"] <= 900, one.inner_html()[:60]
+        assert page.locator("nav").bounding_box()["height"] < 60, "in one line"
+
+
 @pytest.mark.parametrize("width", [1400, 1024])
 def test_nothing_scrolls_inside_the_page(made: Any, opened: Any, width: int) -> None:
     """Every table shows all its columns, and uses the width there is."""

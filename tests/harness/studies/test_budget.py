@@ -5,19 +5,20 @@ import pytest
 
 from analytic import Continuum, Substructure
 from analytic.pairing import pair
-from harness.bench import Bench
+from harness.api import study
 from harness.cases import PRESETS, Case
-from harness.studies.budget import Budget, budget, meshes
-from harness.studies.refinement import refine
+from harness.studies.budget import Budget, meshes
+from harness.studies.refinement import Refinement
 from reference_models import Named
 
 REFERENCE = Named("exudyn-beam", (12, 24))
-SHOWN = (1, 2, 3, 4, 5, 6)
 
 
 def split(case: Case, theory: str, elements: list[int], reference: Named = REFERENCE) -> Budget:
-    with Bench() as bench:
-        return budget([case], Named(theory, 3), elements, reference, SHOWN, bench)
+    result = study("budget", cases=case, model=Named(theory, 3), elements=elements,
+                   references=[reference])  # fmt: skip
+    assert isinstance(result, Budget)
+    return result
 
 
 @pytest.mark.parametrize("theory", ["euler-bernoulli", "rayleigh", "timoshenko", "multipliers"])
@@ -43,7 +44,10 @@ def test_effects_have_their_sign_and_size() -> None:
     assert (inertia > 0.25).all() and (shear > 1).all() and (elements > 0).all()
     assert (elements < 0.1).all() and (np.abs(rest) < 0.005).all()
     assert (np.abs(rest) < result.bands[case][REFERENCE]).all()
-    assert list(result.figures()) == ["", "-floor"]
+    (figure,) = result.figures().values()
+    written = [text.get_text() for text in figure.axes[0].texts]
+    total = result.shares[case].sum(axis=1)[0]
+    assert written == [f"{value:+.2f}" for value in total], "the total of every bar, in figures"
 
 
 def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
@@ -52,16 +56,17 @@ def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
     result = split(case, "euler-bernoulli", [3])
     steps = meshes(REFERENCE)
     assert [mesh.elements for mesh in steps] == [6, 12, 24]
-    with Bench() as bench:
-        found = refine([case], [steps], SHOWN, bench).found[steps]
+    refined = study("refine", cases=case, model=REFERENCE, references=[REFERENCE])
+    assert isinstance(refined, Refinement) and refined.ladders == (steps,)
+    found = refined.families[0].seen
     model = Substructure(3).modes(case.mechanism, case.pose)
     finest = steps[-1].modes(case.mechanism, case.pose, 8)
     partner = pair(model, finest, case.mechanism, case.pose).partner
     for i, own in enumerate(result.bands[case][REFERENCE]):
         seen = found[case, int(partner[i]) + 1]
-        assert own == pytest.approx(100 * seen.say.gci / seen.frequencies[-1], rel=1e-6)
+        assert own == pytest.approx(100 * seen.gci / seen.frequencies[-1], rel=1e-6)
         # In the asymptotic range: 1.25 times the observed step to the limit, not the step itself.
-        assert own == pytest.approx(125 * abs(seen.say.limit / seen.frequencies[-1] - 1), rel=1e-6)
+        assert own == pytest.approx(125 * abs(seen.limit / seen.frequencies[-1] - 1), rel=1e-6)
 
 
 def test_one_mesh_has_no_band() -> None:

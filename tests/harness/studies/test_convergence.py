@@ -22,6 +22,21 @@ def test_the_discretisation_error_falls_with_the_formal_order(theory: str, order
     assert list(result.tables()) == ["", "-order", "-verification"]
 
 
+def test_the_floor_is_what_no_number_of_elements_removes() -> None:
+    result = study("convergence", references="timoshenko@exact", elements="1,32", cases="case2")
+    assert isinstance(result, Convergence)
+    (case,) = result.errors
+    euler, timoshenko = (
+        Continuum(beam).modes(case.mechanism, case.pose).frequencies[:6]
+        for beam in ("euler-bernoulli", "timoshenko")
+    )
+    np.testing.assert_allclose(result.floor(case), 100 * (euler / timoshenko - 1), atol=1e-8)
+    np.testing.assert_allclose(result.errors[case][1], result.floor(case), rtol=1e-4)
+    (axes,) = result.figures()[""].axes
+    lines = [line for line in axes.lines if line.get_linestyle() == ":"]
+    np.testing.assert_allclose([line.get_ydata()[0] for line in lines], result.floor(case))
+
+
 def test_the_printed_errors_stand_beside_ours() -> None:
     result = study("convergence", references="timoshenko@exact", elements="1,2", cases="case1")
     frame = result.to_frame()

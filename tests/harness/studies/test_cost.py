@@ -15,6 +15,7 @@ from reference_models import Named
 
 CASE = PRESETS["case2"]
 EULER = Named("euler-bernoulli", 3)
+NONE = np.empty(0)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +57,7 @@ def test_meshes_that_a_simulator_cannot_have_are_left_out(cost: Cost) -> None:
 def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
     own = next(t for t in cost.elements if t.way.method == "euler-bernoulli")
     made = tuple(
-        Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), None, None, own.answers)
+        Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), NONE, NONE, own.answers)
         for s in (1, 2, 4, 8, 16)
     )
     grown = replace(cost, timings=replace(cost.timings, timed=made), batches=(), stand_in=None)

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from analytic import Continuum, InputError
 from harness.api import study
-from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.studies.refinement import family, ladder, refine, verify
+from harness.studies.refinement import Family, Refinement, ladder, verify
 from reference_models import Named
 
 
@@ -68,16 +67,17 @@ def test_the_band_holds_the_exact_limit(name: str, elements: tuple[int, ...]) ->
     theory = "timoshenko" if name in ("timoshenko", "exudyn-beam") else "euler-bernoulli"
     exact = Continuum(theory).modes(case.mechanism, case.pose).frequencies
     steps = ladder(Named(name, None), elements)
-    with Bench() as bench:
-        result = refine([case], [steps], range(1, 7), bench)
-    assert not result.failures() and not result.misses()
+    result = study("refine", cases=case, model=steps[0], references=[steps[0]], elements=elements)
+    assert isinstance(result, Refinement) and not result.failures()
+    (family,) = result.families
+    assert family.steps == steps and not family.misses()
     for i in range(1, 7):
-        seen = result.found[steps][case, i]
-        assert result.exact[steps][case, i] == pytest.approx(exact[i - 1], rel=1e-9)
-        assert abs(seen.frequencies[-1] - exact[i - 1]) <= seen.say.gci
-        if seen.say.asymptotic:
-            assert abs(seen.say.limit - exact[i - 1]) <= 0.5 * seen.say.gci
-            assert seen.say.order == pytest.approx(steps[0].info().order, rel=0.25)
+        seen = family.seen[case, i]
+        assert family.exact[case, i] == pytest.approx(exact[i - 1], rel=1e-9)
+        assert abs(seen.frequencies[-1] - exact[i - 1]) <= seen.gci
+        if seen.asymptotic:
+            assert abs(seen.limit - exact[i - 1]) <= 0.5 * seen.gci
+            assert seen.order == pytest.approx(steps[0].info().order, rel=0.25)
 
 
 def test_ladders() -> None:
@@ -97,4 +97,4 @@ def test_models_of_one_name_stay_apart() -> None:
     assert frame["model"].nunique() == 2 and np.ptp(frame["limit_hz"]) > 1
     assert len(result.tables()) == 3
     steps = ladder(Named("timoshenko", 3, (("shear", 0.3),)))
-    assert "shear=0.3" in family(steps)
+    assert "shear=0.3" in Family(steps, {}, {}).name

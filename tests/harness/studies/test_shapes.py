@@ -5,8 +5,9 @@ import pytest
 
 from harness.bench import Study, run
 from harness.cases import PRESETS
+from harness.drawing import AMPLITUDE, HEIGHT, TURN, drawn, faces, scale, tube
 from harness.figures import picture
-from harness.studies.shapes import Shapes, aligned, tube
+from harness.studies.shapes import Shapes, aligned
 from reference_models import Named
 
 THEORY, REFERENCE = Named("euler-bernoulli", 6), Named("exudyn-cable", 6)
@@ -33,9 +34,37 @@ def test_a_reference_is_turned_to_the_theory(study: Study, name: str) -> None:
 
 def test_a_tube_has_its_radius() -> None:
     line = np.linspace([0.0, 0, 0], [0, 0, 1], 5)
-    x, y, z = tube(line, np.eye(3), 0.05)
-    np.testing.assert_allclose(np.hypot(x, y), 0.05)
-    np.testing.assert_allclose(z, np.broadcast_to(line[:, 2:], z.shape))
+    surface = tube(line, 0.05)
+    around, ends = surface[1:-1], surface[[0, -1]]
+    np.testing.assert_allclose(np.hypot(around[..., 0], around[..., 1]), 0.05)
+    np.testing.assert_allclose(around[..., 2], np.broadcast_to(line[:, 2:], (5, 33)))
+    np.testing.assert_allclose(ends, np.broadcast_to(line[[0, -1], None], (2, 33, 3)), atol=1e-15)
+
+
+def test_rods_end_on_the_rim_of_the_platform(study: Study) -> None:
+    """At rest and moved: the joints stay closed in the picture too."""
+    case = PRESETS["case2"]
+    there, modes = drawn(case.mechanism, case.pose), study.answers[case, THEORY].first(6)
+    arms = there.tips - there.centre
+    np.testing.assert_allclose(np.linalg.norm(arms, axis=1), there.radius)
+    size = scale(there, modes.limbs)
+    largest = np.abs(size[:, None, None, None] * modes.limbs).max(axis=(1, 2, 3))
+    np.testing.assert_allclose(largest, AMPLITUDE * there.length)
+    for i, factor in enumerate(size):
+        shift, spin = factor * modes.platform[i, :3], factor * modes.platform[i, 3:]
+        ends = there.limbs(factor * modes.limbs[i])[:, -1]
+        moved = there.centre + shift + arms + np.cross(spin, arms)
+        np.testing.assert_allclose(ends, moved, atol=1e-9)
+
+
+def test_what_is_nearer_is_drawn_last() -> None:
+    """A patch in front of another hides it whatever comes first; both face the light."""
+    patch = np.array([[[0.0, 0, 0], [0, 0, 1]], [[1, 0, 0], [1, 0, 1]]])
+    towards = np.array([np.cos(TURN), np.sin(TURN), 0.0])
+    (flat, near, light), (_, nearer, _) = faces(patch), faces(patch + 0.1 * towards)
+    assert nearer > near and 0 < light <= 1
+    side = flat[0, 1] - flat[0, 0]
+    np.testing.assert_allclose(np.abs(side), [0, np.cos(HEIGHT)], atol=1e-12)
 
 
 def test_assurance_of_every_pair_and_a_picture_a_case(study: Study) -> None:

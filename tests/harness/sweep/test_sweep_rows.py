@@ -51,6 +51,10 @@ def test_rows_hold_what_the_models_say(
         for i in (0, 17, 39):
             alone = model.modes(robot, poses[i], 4).frequencies[1:]
             np.testing.assert_allclose(found[k, i], alone, rtol=1e-9)
+    shown = answer.out.split()
+    assert "Frequencies of the first 3 of 40 poses" in answer.out
+    for frequency in found[:, :3].ravel():
+        assert f"{frequency:.3f}" in shown
 
     errors = read(tmp_path / "error-map.parquet")
     expected = 100 * (found[1] / found[0] - 1)

@@ -13,13 +13,12 @@ from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.plan import Plan
 from harness.studies import claims as study
-from harness.studies.claims import Claims, judge, measure, needed
+from harness.studies.claims import Claims, facts, judge, papers
 from harness.studies.claims.data import Claim, claims, select
-from harness.studies.claims.facts import CASES, PAPER, Facts
-from harness.studies.claims.measure import GROUPS, gather
+from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts, UnmeasuredError
 from harness.studies.cost.work import counted
 from harness.text import request
-from reference_models import Named, UnavailableError
+from reference_models import Named
 
 
 @pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
@@ -86,10 +85,11 @@ def test_table_and_sentences(bench: Bench) -> None:
 
 
 def test_what_a_claim_does_not_need_is_not_measured(bench: Bench) -> None:
-    assert needed(select(["time-saved-follows"])) == []
-    assert needed(select(["eq2-plane", "circular-symmetry"])) == ["equations", "maps"]
-    assert set(needed(claims())) == set(GROUPS)
-    assert run("time-saved-follows", bench).rows() == []
+    for name, measured in (("time-saved-follows", {"printed"}), ("eq2-plane", {"equations"})):
+        own = Facts(bench)
+        before = set(vars(own))
+        judge(select([name]), own)
+        assert vars(own).keys() - before == measured and own.solved == []
 
 
 def test_an_unknown_claim_is_named() -> None:
@@ -101,7 +101,9 @@ def test_claims_are_about_the_paper_alone() -> None:
     plan = Plan((PRESETS["case1"],), PAPER, ())
     assert list(study.jobs(plan)) == ["claims"]
     assert study.jobs(replace(plan, case_file=True)) == {}
-    assert "case_file" not in study.TAKES and "--case-file do not apply" in str(study.run.__doc__)
+    mine = replace(PRESETS["case1"], name="mine", published="")
+    with pytest.raises(InputError, match=r"case_file = 'mine': expected the folder of a paper"):
+        papers.judged([mine], Bench())
 
 
 def test_what_is_solved_is_rows_of_the_history(bench: Bench) -> None:
@@ -112,46 +114,43 @@ def test_what_is_solved_is_rows_of_the_history(bench: Bench) -> None:
 
 
 def test_rows_are_what_verdicts_rest_on(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measure, "ROUNDS", 1)
-    facts, missing, rows = gather(["beams", "times"], bench)
-    assert not missing
+    monkeypatch.setattr(facts, "ROUNDS", 1)
+    own = Facts(bench)
+    hertz, scanned, times, rows = own.hertz, own.scan, own.times, own.solved
     for case in PRESETS.keys() - set(CASES):
-        label, hertz = PRESETS[case].theory.label, facts.beams.hertz[case, PRESETS[case].theory]
+        theory = PRESETS[case].theory
         one = {
             r["mode"]: r["frequency_hz"]
             for r in rows
-            if r["case"] == case and r["model"] == label and '"count": 8}' in r["settings"]
+            if r["case"] == case and r["model"] == theory.label and '"count": 8}' in r["settings"]
         }
-        np.testing.assert_array_equal([one[i + 1] for i in range(6)], hertz)  # fmt: skip
+        np.testing.assert_array_equal([one[i + 1] for i in range(6)], hertz[case, theory])
     scan = [r["frequency_hz"] for r in rows if r["case"] == "map" and r["tilt_rad"] == 0]
-    np.testing.assert_array_equal(np.reshape(scan, (-1, 6)), facts.beams.scan["case1"])
+    np.testing.assert_array_equal(np.reshape(scan, (-1, 6)), scanned["case1"])
     timed = [r for r in rows if '"timed": "claims"' in r["settings"]]
+    rivals = ("multipliers@{}[solver=null-space]", "multipliers@{}[solver=saddle-point]")
     assert {r["model"] for r in timed} == {
-        PAPER.label, "multipliers@3[solver=null-space]", "multipliers@3[solver=saddle-point]",
-    }  # fmt: skip
+        name.format(s) for s in COST_STEPS for name in ("euler-bernoulli@{}", *rivals)
+    }
     assert all(r["solve_s"] > 0 for r in timed)
-    assert all((one.seconds > 0).all() and one.solve > 0 for one in facts.times.values())
-    flops = [one.flops for one in facts.times.values()]
-    assert flops == [counted(name, 3, 3).flops for name in ("paper", "null-space", "saddle-point")]
+    for name in ("paper", "null-space", "saddle-point"):
+        assert list(times[name]) == list(COST_STEPS)
+        for s, one in times[name].items():
+            assert (one.seconds > 0).all() and (one.solves > 0).all()
+            assert one.work == counted(name, s, 3).flops
 
 
 def test_what_was_not_measured_leaves_its_claims_unchecked(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def gone(*_: Any) -> Any:
-        raise UnavailableError("no solid can run here")
-
-    monkeypatch.setattr(measure, "_solid", gone)
-    facts, missing, _ = gather(["solid"], bench)
-    assert missing == {"solid": "no solid can run here"}
-    found, unchecked = judge(select(["time-saved-follows", "table1-case1-fea-f1"]), facts, missing)
-    assert [one.claim.id for one in found] == ["time-saved-follows"]
-    assert Claims(tuple(found), unchecked).failures() == {
-        "table1-case1-fea-f1": "no solid can run here"
-    }
+    monkeypatch.setattr(facts, "solid_truth", lambda names: None)
+    asked = select(["time-saved-follows", "table1-case1-fea-f1"])
+    result = judge(asked, Facts(bench, fea=None))
+    assert [one.claim.id for one in result.found] == ["time-saved-follows"]
+    ((name, why),) = result.failures().items()
+    assert name == "table1-case1-fea-f1" and why.startswith("ngsolve-solid: ")
 
 
 def test_a_simulator_that_fails_is_no_fact(bench: Bench) -> None:
-    with pytest.raises(measure.UnmeasuredError, match="exudyn-cable@0"):
-        measure.reference([PRESETS["case1"]], Named("exudyn-cable", 0), bench, [])
-    assert Facts().beams is None
+    with pytest.raises(UnmeasuredError, match="exudyn-cable@0"):
+        Facts(bench, [PRESETS["case1"]]).reference(Named("exudyn-cable", 0))
