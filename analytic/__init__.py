@@ -16,6 +16,7 @@ from analytic.pose import Pose, position
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
 from analytic.rod import Body, Link, Material, Rod, Section
 from analytic.sensitivity import frequency_sensitivities
+from analytic.stiffness import Stiffness, stiffness
 from analytic.substructure import Substructure
 from analytic.theory import Theory
 from analytic.workspace import Limits, reachable
@@ -44,6 +45,7 @@ __all__ = [
     "RegularWorkspace",
     "Rod",
     "Section",
+    "Stiffness",
     "Substructure",
     "Theory",
     "condensed_frequencies",
@@ -52,4 +54,5 @@ __all__ = [
     "position",
     "reachable",
     "regular_workspace",
+    "stiffness",
 ]

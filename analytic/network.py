@@ -31,6 +31,10 @@ DEPENDENT = 1e-9
 PLATFORM = tuple(range(-6, 0))
 
 
+Block = tuple[int, tuple[int, ...], Floats]
+"""Of a group of limbs (-1: the platform), columns and matrices of K and M, (2, n, c, c)."""
+
+
 @dataclass(frozen=True)
 class Map:
     """What moves a point of n limbs: `matrix` (n, 6, c) over the coordinates `columns` (c,) of
@@ -73,13 +77,15 @@ class Network:
     """A mechanism in independent coordinates at one pose.
 
     Attributes: `groups`; `rods`, in the order of their blocks; `constant` blocks of K and M with
-    their columns: springs, bodies, the platform; `own` coordinates a limb of every group; `size`
+    their columns: springs, bodies, the platform; `joints`, which item the springs of
+    a constant block belong to; `own` coordinates a limb of every group; `size`
     of all.
     """
 
     groups: tuple[Placed, ...]
     rods: tuple[Piece, ...]
-    constant: tuple[tuple[int, tuple[int, ...], Floats], ...]
+    constant: tuple[Block, ...]
+    joints: dict[int, int]
     own: tuple[int, ...]
     size: int
 
@@ -96,6 +102,16 @@ class Network:
             where += [(piece.group, columns) for columns in _columns(piece)]
         where += [(group, (columns,)) for group, columns, _ in self.constant]
         return _layout(tuple(where), starts, self.size, sparse)
+
+    def rod_columns(self) -> list[tuple[int, ...]]:
+        """Return the columns of the block of every rod, where each is of one piece."""
+        return [_columns(piece)[0][0] for piece in self.rods]
+
+    def springs(self) -> list[tuple[Block, int]]:
+        """Return the blocks of springs, each of one joint, and which item that is."""
+        return [
+            (block, self.joints[k]) for k, block in enumerate(self.constant) if k in self.joints
+        ]
 
     def rod_blocks(self, matrices: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
         """Return blocks of `rods`, from (..., n, 12, 12) in limb axes of every rod's pieces."""
@@ -175,18 +191,20 @@ def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: f
     nothing between them, and for limbs without any rod.
     """
     rods: list[Piece] = []
-    constant: list[tuple[int, tuple[int, ...], Floats]] = []
+    constant: list[Block] = []
+    joints: dict[int, int] = {}
     own = []
     for g, placed in enumerate(groups):
         walk = _Walk(g, placed, unit, count)
         own.append(walk.own)
         rods += walk.rods
+        joints |= {len(constant) + k: item for k, item in walk.joints.items()}
         constant += walk.constant
     still = np.zeros((2, 1, 6, 6))
     still[1, 0] = platform_mass
     constant.append((-1, PLATFORM, still))
     size = sum(c * len(p.alike.limbs) for c, p in zip(own, groups, strict=True)) + 6
-    return Network(tuple(groups), tuple(rods), tuple(constant), tuple(own), size)
+    return Network(tuple(groups), tuple(rods), tuple(constant), joints, tuple(own), size)
 
 
 class _Walk:
@@ -198,7 +216,8 @@ class _Walk:
         self.n = len(self.alike.limbs)
         self.own = 0
         self.rods: list[Piece] = []
-        self.constant: list[tuple[int, tuple[int, ...], Floats]] = []
+        self.constant: list[Block] = []
+        self.joints: dict[int, int] = {}
         kinds = [kind[0] for kind in self.alike.kind]
         if "rod" not in kinds:
             raise InputError(
@@ -271,9 +290,17 @@ class _Walk:
             # Relative coordinates: the stretch of a stiff spring is no difference of large motions.
             r = self._new(int(sprung.sum()))
             u = Map((*u.columns, *r), np.concatenate([u.matrix, E[..., sprung]], axis=-1))
-            block = np.zeros((2, self.n, len(r), len(r)))
-            block[0, :, range(len(r)), range(len(r))] = stiffness[:, sprung].T
-            self.constant.append((self.group, r, block))
+            which = np.concatenate(
+                [[k] * self.alike.freedoms[k].stiffness.shape[1] for k in joints]
+            )
+            for k in joints:
+                mine = np.flatnonzero(which[sprung] == k)
+                if mine.size:
+                    f = np.arange(mine.size)
+                    block = np.zeros((2, self.n, mine.size, mine.size))
+                    block[0][:, f, f] = stiffness[:, sprung][:, mine]
+                    self.joints[len(self.constant)] = k
+                    self.constant.append((self.group, tuple(r[i] for i in mine), block))
         if not sprung.all():
             free = E[..., ~sprung]
             q = self._new(free.shape[-1])

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.errors import InputError
 from analytic.mechanism import Mechanism
 from analytic.theory import Theory
 
@@ -40,7 +41,12 @@ class Sections:
 
 
 def sections(mechanism: Mechanism, theory: Theory) -> Sections:
-    """Return the limbs' sections under `theory`."""
+    """Return the limbs' sections under `theory`.
+
+    Raises `InputError` for other limbs than the paper's, or a centre of mass off o.
+    """
+    if any(mechanism.platform.centre):
+        raise InputError("Platform.centre", mechanism.platform.centre, "o itself for this model")
     rods = [limb.rod for limb in mechanism.limbs]
     rotary = 1.0 if theory.rotary_inertia else 0.0
     rows = [

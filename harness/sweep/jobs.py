@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Modes, Pose, __version__
+from analytic import InputError, Mechanism, Modes, Pose, __version__
 from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness.answer import checked
@@ -129,6 +129,8 @@ def jobs(
     """
     size = 1 if model.info().isolated else BATCH
     program = program_of(model)
+    if poses.x is not None or np.any(poses.torsion):
+        raise InputError("poses", "x, y or torsion", "z, azimuth and tilt alone in a sweep")
     for start in range(0, len(poses), size):
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 

@@ -30,6 +30,7 @@ from analytic.chain_models import element_modes, exact_modes
 from analytic.exact_chain import exact
 from analytic.rod_elements import element_matrices, properties, shear_coefficients
 from analytic.rod_exact import dynamic_stiffness, pieces
+from analytic.stiffness import stiffness
 from analytic.theory import Theory
 from harness.case_file import load_cases
 
@@ -383,3 +384,35 @@ def test_freedoms_say_whose_axes_they_are_in() -> None:
         return Continuum().modes(ring(joint, ROD, S), Pose(0.5), 6).frequencies
 
     assert np.abs(with_frame("limb") / with_frame("base") - 1).max() > 1e-4
+
+
+def test_static_stiffness_of_a_cantilever_is_the_books() -> None:
+    """EA / L, 3 EI / L^3 with the end free to turn, GJ / L; and the rod gives way alone."""
+    section = Section(1e-3, (2e-7, 5e-7), 3e-7)
+    limb = Limb((0, 0, 0), (0, 0, 0), (Rod(STEEL, section),), reference=(0, 1, 0))
+    found = stiffness(Mechanism((limb,), PLATE), Pose.at((0, 0, 2.0)), beam="euler-bernoulli")
+    flexible = np.diag(found.compliance)
+    E, L = 200e9, 2.0
+    expected = [L**3 / (3 * E * 5e-7), L**3 / (3 * E * 2e-7), L / (E * 1e-3),
+                L / (E * 2e-7), L / (E * 5e-7), L / (77e9 * 3e-7)]  # fmt: skip
+    assert flexible == pytest.approx(expected, rel=1e-9)
+    assert found.shares == pytest.approx(np.ones((1, 6)))
+
+
+def test_every_newton_of_compliance_is_some_part_s() -> None:
+    """Shares sum to one, springs in a row add, and a slow load sees the same stiffness."""
+    for name in ("hexapod", "prs", "six-sps", "flexure-hexapod"):
+        case = CASES[name]
+        found = stiffness(case.mechanism, case.pose)
+        assert found.shares.sum(axis=0) == pytest.approx(np.ones(6), rel=1e-8)
+        assert (found.shares > -1e-9).all()
+    case = CASES["hexapod"]
+    soft = tuple(
+        replace(limb, chain=(*limb.chain[:2], Joint.prismatic(stiffness=3e7), *limb.chain[3:]))
+        for limb in case.mechanism.limbs
+    )
+    more = stiffness(Mechanism(soft, case.mechanism.platform), case.pose)
+    found = stiffness(case.mechanism, case.pose)
+    drives = [k for k, part in enumerate(found.parts) if part[2] == "P"]
+    added = found.shares[drives].sum(axis=0) * np.diag(found.compliance)
+    assert np.diag(more.compliance - found.compliance) == pytest.approx(added, rel=0.02)
