@@ -37,16 +37,11 @@ from analytic.mechanism import (
     shear_range,
 )
 from harness.cases import PRESETS, Case
-from harness.chain_file import POSE, chain_mechanism, materials, read_pose, rods
+from harness.chain_file import POSE, UNITS, chain_mechanism, materials, read_pose, rods
 from harness.paper import CASES, folder, names, read_paper, read_table
 from reference_models import parse
 
 Table = dict[str, Any]
-UNITS = {
-    "mm": "millimetres", "deg": "degrees", "GPa": "gigapascals", "kg_m3": "kg/m^3",
-    "kg": "kilograms",
-}  # fmt: skip
-"""What the ends of keys mean."""
 DIGITS = 4300
 """Digits of a whole number that Python reads at most."""
 

@@ -36,6 +36,11 @@ Table = dict[str, Any]
 Three = tuple[float, float, float]
 
 SECTION = "area_mm2", "second_moments_mm4", "torsion_constant_mm4", "shear_coefficients"
+UNITS = {
+    "mm": "millimetres", "deg": "degrees", "GPa": "gigapascals", "kg_m3": "kg/m^3",
+    "kg": "kilograms",
+}  # fmt: skip
+"""What the ends of keys mean."""
 JOINTS = "R", "U", "S", "P", "fixed"
 DEGREES = math.pi / 180
 
@@ -54,7 +59,8 @@ def get(table: Table, where: str, key: str, default: float | None = None) -> flo
     """Return a number of a table, or `default`; raises `InputError` naming the key."""
     if key not in table and default is not None:
         return default
-    return number(f"{where}.{key}", table.get(key), "a finite number")
+    unit = next((f" of {words}" for end, words in UNITS.items() if key.endswith(f"_{end}")), "")
+    return number(f"{where}.{key}", table.get(key), f"a finite number{unit}")
 
 
 def materials(tables: Mapping[str, Table]) -> dict[str, Material]:
