@@ -10,6 +10,7 @@ from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod
 from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
+from analytic.plausible import UnlikelyWarning, unlikely
 from analytic.pose import Pose, position
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
 from analytic.sensitivity import frequency_sensitivities
@@ -38,10 +39,12 @@ __all__ = [
     "Rod",
     "Substructure",
     "Theory",
+    "UnlikelyWarning",
     "condensed_frequencies",
     "frequency_sensitivities",
     "limbs_at",
     "position",
     "reachable",
     "regular_workspace",
+    "unlikely",
 ]

@@ -20,7 +20,8 @@ class Pose:
 
     Scalars give one pose; arrays (broadcast against each other) give many. Zero torsion: the
     platform leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees.
-    Raises `InputError` for anything that is not finite, or a z beyond 1e9 m.
+    Raises `InputError` for anything that is not finite, a z beyond 1e9 m, or a tilt of more than a
+    turn, which is in degrees.
     """
 
     z: Any
@@ -38,6 +39,10 @@ class Pose:
             if not np.isfinite(value).all() or (name == "z" and (np.abs(value) > LARGEST).any()):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}")
             values.append(value)
+        if (np.abs(values[2]) > 2 * np.pi).any():
+            raise InputError(
+                "Pose.tilt", self.tilt, "radians, less than a turn; np.radians(-12) is 12 degrees"
+            )
         try:
             shaped = np.broadcast_arrays(*values)
         except ValueError:

@@ -23,7 +23,7 @@ from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose, one_pose
+from analytic.pose import Pose, check_poses, one_pose
 from analytic.theory import Theory
 
 if TYPE_CHECKING:
@@ -78,6 +78,7 @@ class Substructure:
 
         At one pose from the matrices; at many by `condensed_frequencies`, the same to 1e-9.
         """
+        check_poses(mechanism, poses)
         if poses.shape:
             from analytic.condensed import condensed_frequencies
 

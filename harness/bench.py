@@ -4,7 +4,7 @@ from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from analytic import Mechanism, Modes, Pose, limbs_at
+from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
 from analytic.pairing import Pairing, pair
 from harness.answer import checked
@@ -23,6 +23,17 @@ SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
 
 Key = tuple[Case, Model]
+
+
+def refuse_others(cases: Iterable[object], models: Iterable[object]) -> None:
+    """Raise `InputError` naming what is no case, or no model."""
+    for one in cases:
+        if not isinstance(one, Case):
+            raise InputError("cases", one, "a Case, such as Case(name, mechanism, pose, note)")
+    for model in models:
+        if not callable(getattr(model, "modes", None)) or not hasattr(model, "info"):
+            expected = "a model, such as reference_models.parse(text, 'models') makes of a text"
+            raise InputError("models", model, expected)
 
 
 def label(model: Model) -> str:
@@ -252,7 +263,8 @@ def run(
     listener: Listener | None = None,
 ) -> Study:
     """Solve every case by every model on a bench of their own: `Bench.run`."""
-    some = [cases] if isinstance(cases, Case) else cases
-    by = models if isinstance(models, (list, tuple)) else [models]
+    some = tuple(cases) if isinstance(cases, (list, tuple)) else (cases,)
+    by = tuple(models) if isinstance(models, (list, tuple)) else (models,)
+    refuse_others(some, by)
     with Bench(limit, listener) as bench:
-        return bench.run(some, by, count)  # type: ignore[arg-type]
+        return bench.run(some, by, count)

@@ -5,6 +5,7 @@ import difflib
 import gc
 import os
 import sys
+import warnings
 from importlib import import_module
 
 import click
@@ -89,6 +90,7 @@ class Commands(click.Group):
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit status 2."""
+    warnings.showwarning = _warn
     try:
         with one_thread():
             ended = cli(standalone_mode=False)
@@ -108,6 +110,10 @@ def main() -> None:
         _say(dashed(str(error)))
         sys.exit(2)
     sys.exit(ended if isinstance(ended, int) else 0)
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    _say(f"warning: {message}")
 
 
 def _say(sentence: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from harness import threads
+from harness.cases import select
 from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result
@@ -15,10 +16,13 @@ from harness.sweep.engine import Engine, Patience, engine
 from harness.sweep.error_map import compare, error_table
 from harness.sweep.jobs import Job
 from harness.sweep.journal import Journal
+from harness.sweep.pose_sets import pose_set
 from harness.sweep.rows import Rows
 from harness.sweep.sweep import Failures, Sweep, complete, failure_table
 from harness.sweep.worst_poses import worst_table
 from harness.tables import Table, table_files
+from harness.text import models as models_of
+from reference_models import parse
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,23 +65,34 @@ class Swept(Result):
 
 
 def solve(
-    mechanism: Mechanism,
-    poses: Pose,
-    models: Iterable[Model],
-    folder: Path,
+    mechanism: Mechanism | str,
+    poses: Pose | str,
+    models: Iterable[Model] | str,
+    folder: Path | str,
     count: int = 6,
     *,
-    against: Model | None = None,
+    against: Model | str | None = None,
     cores: int | None = None,
     scheduler: str | None = None,
     patience: Patience = ONE_CORE_EACH,
 ) -> Swept:
     """Solve `poses` (arrays) by `models` into `folder`; what is there already is not solved again.
 
+    Texts mean what they mean on the command line: a case's name for its mechanism, "random:7:1",
+    "exudyn-cable@8,rayleigh@exact".
     `against`: one of the models, or one more, that the others are compared with. Jobs run on
     `cores`, by default all, or on the Dask cluster of a `scheduler`. Raises `OutputError` where the
     folder cannot be written.
     """
+    if isinstance(mechanism, str):
+        mechanism = select([mechanism], {})[0].mechanism
+    if isinstance(poses, str):
+        poses = pose_set(poses, mechanism)
+    if isinstance(models, str):
+        models = models_of(models, "models")
+    if isinstance(against, str):
+        against = parse(against, "against")
+    folder = Path(folder)
     everything = tuple(dict.fromkeys([*models, *([] if against is None else [against])]))
     sweep = Sweep(mechanism, poses, everything, count)
     with (
