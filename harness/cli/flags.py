@@ -95,7 +95,7 @@ def output(default: str | None = None) -> Callable[..., Any]:
     def check(_context: Any, _option: Any, text: str | None) -> Path | None:
         from harness.output import check_folder
 
-        return None if text is None else check_folder(text)
+        return None if text is None else check_folder(text, writes=True)
 
     said = f"Folder for the files{f'; default {default}' if default else ''}."
     return option("output", "DIR", said, default=default, callback=check)

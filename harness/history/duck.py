@@ -51,6 +51,8 @@ def sink(
     """
     import duckdb
 
+    if suffix == ".csv":
+        sql = _harmless(base, sql, params)
     try:
         told = base.execute(
             f"COPY ({sql}\n) TO {quoted(path)} ({FORMS[suffix]}, USE_TMP_FILE false)", params
@@ -62,6 +64,18 @@ def sink(
     with path.open("rb") as file:
         os.fsync(file.fileno())
     return int(height)
+
+
+def _harmless(base: "DuckDBPyConnection", sql: str, params: Params) -> str:
+    """Return a query whose texts no spreadsheet takes for a formula, as `harness.tables` does."""
+    columns = base.execute(f"DESCRIBE {sql}", params).fetchall()
+    texts = [named(row[0]) for row in columns if row[1].startswith(("VARCHAR", "ENUM"))]
+    safe = [
+        f"CASE WHEN regexp_matches({t}::VARCHAR, '^[=@\\t\\r+-]') AND "
+        f"try_cast({t}::VARCHAR AS DOUBLE) IS NULL THEN '''' || {t} ELSE {t}::VARCHAR END AS {t}"
+        for t in texts
+    ]
+    return f"SELECT * REPLACE ({', '.join(safe)}) FROM ({sql}\n)" if safe else sql
 
 
 def quoted(text: object) -> str:

@@ -1,5 +1,6 @@
 """A sweep from poses and models to files: solved, written meanwhile, compared, kept."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 ONE_CORE_EACH = Patience()
+OWN = re.compile(
+    r"(frequencies|error-map)\.(parquet|csv|json)|(timing|errors|worst|failures)\.(csv|md|tex)"
+)
+"""Names of the files that a sweep writes."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,8 @@ def carry_out(
 
     Errors and tables go beside it; the ending .parquet, .csv or .json is that of all rows. The
     `listener` hears of each finished job; `again`: options of a command that shows a worst pose;
-    `history`: where the rows are kept, unless nothing was computed, and as which command.
+    `history`: where the rows are kept, unless one has them all, and as which command. Files that
+    an earlier sweep left in the folder and this one does not write are removed.
     Raises `OutputError` where a file cannot be written.
     """
 
@@ -139,6 +145,9 @@ def carry_out(
         made["failures"] = failure_table(failures)
         files += write_all(file.parent, table_files(made))
         made = {"first": rows.first_table(), **made}  # shown only: the file has all of it
-        if history is not None and solved:
+        for path in file.parent.iterdir():
+            if OWN.fullmatch(path.name) and path not in files:  # an earlier sweep's
+                path.unlink()
+        if history is not None:
             rows.keep(*history)
     return Swept(file, tuple(files), made, failures, solved)
