@@ -1,13 +1,17 @@
 """What an answer must satisfy before it is a number: else it is a failure with a reason."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
-from analytic.model import Info
+from analytic.model import Info, Model
 from analytic.pairing import mass_vectors
 from harness.declared import COARSE, STILL, torsion
 from reference_models import ModelError
+from reference_models.richardson import SPARE as CROSSING
+from reference_models.richardson import extrapolated
 
 Array = NDArray[np.float64]
 CLOSED = 1e-9
@@ -45,6 +49,27 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     _energies(modes, mass, mechanism, pose)
     _masses(modes, mass, info, mechanism, pose)
     return modes
+
+
+def solved(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+    """Return the `count` lowest modes of `model`, solved in this process and checked.
+
+    What is extrapolated comes from two meshes, each checked by itself. Raises `ModelError` for what
+    is not to be believed, and whatever the model raises.
+    """
+    info, elements = model.info(), model.elements
+    if not isinstance(elements, tuple):
+        return checked(model.modes(mechanism, pose, count), info, mechanism, pose, count)
+    meshes = []
+    for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
+        mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
+        try:
+            meshes.append(solved(mesh, mechanism, pose, count + spare))
+        except ModelError as error:
+            raise ModelError(f"with {number} elements {error}") from None
+    coarse, fine = meshes
+    found = extrapolated(coarse, fine, elements, info.order, mechanism, pose, count)
+    return checked(found, info, mechanism, pose, count)
 
 
 def _frequencies(modes: Modes, count: int) -> Array:

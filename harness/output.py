@@ -34,8 +34,9 @@ def result_files(result: Result, stem: str) -> dict[str, bytes]:
 
 def tidy(frame: "pd.DataFrame") -> bytes:
     """Return a frame as CSV, numbers with the digits that are significant."""
-    words = {name: frame[name].map(harmless) for name in frame.select_dtypes(exclude="number")}
-    frame = frame.assign(**words)
+    frame = frame.copy()
+    for name in frame.select_dtypes(exclude="number"):
+        frame[name] = frame[name].map(harmless)
     text: str = frame.to_csv(index=False, lineterminator="\n", float_format=f"%.{DIGITS}g")
     return text.encode()
 

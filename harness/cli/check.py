@@ -107,11 +107,12 @@ def accept(
     here stay. With --case-file it makes and keeps a baseline of your own mechanism.
     """
     from analytic import InputError
-    from harness.accepted import files
+    from harness.accepted import files, unlike
     from harness.bench import Bench
     from harness.gate.files import save
     from harness.gate.gate import NotAcceptedError, accepted
     from harness.output import write_all
+    from reference_models import catalogue
 
     plan, folder, known = _asked(**texts, new=True)
     if folder is None:
@@ -121,6 +122,12 @@ def accept(
     usual = LATEST if texts["case_file"] is None else "none"
     source = usual if latest is None else latest
     shown = {} if source == "none" else files(Path(source))
+    labels = () if known is None else known.figures.sources
+    names = {one.partition("@")[0] for one in labels}
+    simulators = names & {name for name, info in catalogue() if info.isolated}
+    if shown and not reason and (why := unlike(Path(source), simulators)):
+        expected = f"what the main job wrote, none, or a --reason to show another run ({why})"
+        raise InputError("latest", source, expected)
     with Bar() as bar, Bench(time_limit, bar) as bench:
         report, checked = _look(plan, known, bench, history)
         try:
