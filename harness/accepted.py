@@ -3,10 +3,6 @@
 from collections.abc import Collection
 from pathlib import Path
 
-from analytic import InputError
-from harness.report.page import COMMAND, load
-from harness.studies import STUDIES
-
 ACCEPTED = "results/accepted"
 BASELINE = f"{ACCEPTED}/baseline"
 _SHIPPED = Path(__file__).parent / "accepted_baseline"
@@ -40,6 +36,9 @@ def unlike(folder: Path, simulators: Collection[str]) -> str:
     `simulators`: those whose figures are accepted. Raises `InputError` where the folder does not
     say what made it.
     """
+    from harness.report.page import COMMAND, load
+    from harness.studies import STUDIES
+
     kept = load(folder)
     if kept["command"] != COMMAND:
         return f"made by {kept['command']}"

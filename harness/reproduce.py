@@ -7,11 +7,11 @@ from types import ModuleType
 from analytic import InputError
 from analytic.errors import unknown
 from harness.bench import Bench
+from harness.plain import plain
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
 from harness.studies import STUDIES, Entry
-from harness.tables import plain
 from harness.text import request
 from reference_models import ModelError, UnavailableError
 

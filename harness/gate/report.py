@@ -14,8 +14,9 @@ from harness.gate.plan import group
 from harness.gate.properties import Property
 from harness.gate.ratchet import Baseline
 from harness.gate.timing_watch import Timing
+from harness.plain import plain
 from harness.result import Result
-from harness.tables import Table, plain
+from harness.tables import Table
 
 if TYPE_CHECKING:
     import pandas as pd
