@@ -15,8 +15,7 @@ from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history
 from harness.plan import Plan
-from harness.report.page import page_files
-from harness.report.page import FILE, FORMAT, VERSION
+from harness.report.page import FILE, FORMAT, VERSION, page_files
 from harness.studies import STUDIES
 from reference_models import Named
 
