@@ -112,7 +112,6 @@ def accept(
     from harness.gate.files import save
     from harness.gate.gate import NotAcceptedError, accepted
     from harness.output import write_all
-    from reference_models import catalogue
 
     plan, folder, known = _asked(**texts, new=True)
     if folder is None:
@@ -122,10 +121,8 @@ def accept(
     usual = LATEST if texts["case_file"] is None else "none"
     source = usual if latest is None else latest
     shown = {} if source == "none" else files(Path(source))
-    labels = () if known is None else known.figures.sources
-    names = {one.partition("@")[0] for one in labels}
-    simulators = names & {name for name, info in catalogue() if info.isolated}
-    if shown and not reason and (why := unlike(Path(source), simulators)):
+    wanted = () if known is None else known.figures.simulators
+    if shown and not reason and (why := unlike(Path(source), wanted)):
         expected = f"what the main job wrote, none, or a --reason to show another run ({why})"
         raise InputError("latest", source, expected)
     with Bar() as bar, Bench(time_limit, bar) as bench:

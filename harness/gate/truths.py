@@ -251,10 +251,13 @@ def _torsion(checked: Checked, bench: Bench) -> Iterator[Property]:
     There the bench refuses modes of torsion that are not declared, and misses those that are.
     """
     for *_, model in checked.plan.ladders:
-        limit, found = model.limit(), []
-        for case in checked.cases.complete(model) if limit is not None else ():
+        limit = model.limit()
+        if limit is None:
+            continue
+        found = []
+        for case in checked.cases.complete(model):
             for pose in (replace(case.pose, z=part * case.pose.z) for part in SHORTER):
-                exact = bench.solve(limit, case.mechanism, pose, MODES) if limit else None
+                exact = bench.solve(limit, case.mechanism, pose, MODES)
                 if isinstance(exact, Modes) and not moving(exact, case.mechanism, pose).all():
                     ours = bench.solve(model, case.mechanism, pose, MODES + SPARE)
                     off = np.array([0.0 if isinstance(ours, Modes) else np.inf])

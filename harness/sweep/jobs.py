@@ -76,15 +76,13 @@ class Job:
         here = program_of(self.model)
         if here != self.program:
             raise ModelError(f"{here} runs here, not {self.program} as planned")
-        info, count = self.model.info(), self.count
-        began = perf_counter()
-        if info.isolated:
-            pose = self.poses[0]
-            modes = solved(self.model, self.mechanism, pose, count)
-            seconds = perf_counter() - began
+        count = self.count
+        if self.isolated:
+            modes, seconds = solved(self.model, self.mechanism, self.poses[0], count)
             found, uncertainty = modes.frequencies[None], modes.uncertainty
             uncertainty = None if uncertainty is None else np.asarray(uncertainty)[None]
         else:
+            began = perf_counter()
             found = np.asarray(self.model.frequencies(self.mechanism, self.poses, count))
             seconds, uncertainty = perf_counter() - began, None
             # For their theory, version and size, which are the same at every pose.

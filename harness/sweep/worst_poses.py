@@ -53,7 +53,7 @@ class ShapeCheck:
         wanted = count
         while True:
             if model.info().isolated:
-                modes = solved(model, self.mechanism, self.pose, wanted)
+                modes, _ = solved(model, self.mechanism, self.pose, wanted)
             else:
                 modes = model.modes(self.mechanism, self.pose, wanted)
             if self.torsion or not beams_of(model):

@@ -102,9 +102,8 @@ def test_wrong_models(
         lines = (tmp_path / "out" / "failures.csv").read_text().splitlines()[1:]
         assert answer.status == 1 and "Traceback" not in answer.err
         for name in (name for name in WRONG if name not in UNUSABLE):
-            if name not in ("percent", "missing"):  # a sweep keeps no shapes, and asks no theory
-                found = [line for line in lines if line.startswith(f"x-{name}@")]
-                assert len(found) == 1 and re.search(WRONG[name], found[0]), (name, lines)
+            found = [line for line in lines if line.startswith(f"x-{name}@")]
+            assert len(found) == 1 and re.search(WRONG[name], found[0]), (name, lines)
         assert not any(line.startswith("x-honest") for line in lines)
         return
     assert answer.status == 1
