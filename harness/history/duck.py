@@ -69,13 +69,19 @@ def sink(
 def _harmless(base: "DuckDBPyConnection", sql: str, params: Params) -> str:
     """Return a query whose texts no spreadsheet takes for a formula, as `harness.tables` does."""
     columns = base.execute(f"DESCRIBE {sql}", params).fetchall()
-    texts = [named(row[0]) for row in columns if row[1].startswith(("VARCHAR", "ENUM"))]
-    safe = [
-        f"CASE WHEN regexp_matches({t}::VARCHAR, '^[=@\\t\\r+-]') AND "
-        f"try_cast({t}::VARCHAR AS DOUBLE) IS NULL THEN '''' || {t} ELSE {t}::VARCHAR END AS {t}"
-        for t in texts
-    ]
-    return f"SELECT * REPLACE ({', '.join(safe)}) FROM ({sql}\n)" if safe else sql
+    safe = []
+    for k, (name, kind, *_) in enumerate(columns):
+        value = f"c{k}"
+        if kind == "VARCHAR" or (kind.startswith("ENUM") and kind.endswith(")")):
+            value = (
+                f"CASE WHEN regexp_matches(c{k}::VARCHAR, '^[=@\\t\\r+-]') AND "
+                f"try_cast(c{k}::VARCHAR AS DOUBLE) IS NULL THEN '''' || c{k}::VARCHAR "
+                f"ELSE c{k}::VARCHAR END"
+            )
+        safe.append(f"{value} AS {named(name)}")
+    # By place: an answer may have two columns of one name.
+    places = ", ".join(f"c{k}" for k in range(len(columns)))
+    return f"SELECT {', '.join(safe)} FROM ({sql}\n) AS answer({places})"
 
 
 def quoted(text: object) -> str:
