@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from analytic import InputError, Limb, Material, Mechanism, Modes, Pose
-from harness import bench as module
+from harness import answer as module
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.gate.compare import (
