@@ -12,6 +12,7 @@ from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
 from analytic.platform import Platform
+from analytic.plausible import UnlikelyWarning, unlikely
 from analytic.pose import Pose, position
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
 from analytic.rod import Body, Link, Material, Rod, Section
@@ -48,6 +49,7 @@ __all__ = [
     "Stiffness",
     "Substructure",
     "Theory",
+    "UnlikelyWarning",
     "condensed_frequencies",
     "frequency_sensitivities",
     "limbs_at",
@@ -55,4 +57,5 @@ __all__ = [
     "reachable",
     "regular_workspace",
     "stiffness",
+    "unlikely",
 ]

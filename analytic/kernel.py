@@ -24,9 +24,12 @@ def compiled() -> Callable[..., Any] | None:
         numba = importlib.import_module("numba")
     except ImportError:
         return None
-    result: Callable[..., Any] = numba.njit(
-        cache=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}
-    )(solve_poses)
+    settings = {"error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz"}}
+    result: Callable[..., Any]
+    try:
+        result = numba.njit(cache=True, **settings)(solve_poses)
+    except RuntimeError:  # no folder to keep it in: neither the package's nor the user's
+        result = numba.njit(**settings)(solve_poses)
     return result
 
 

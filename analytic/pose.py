@@ -32,7 +32,8 @@ class Pose:
     leans by `tilt` about the horizontal axis at `azimuth` + 90 degrees; `torsion`, by which it is
     turned about its own z before that [rad]; `x` and `y` of o [m], None where the limbs' hinges are
     to say (Eq. 2). Any position and rotation can be stated so: see `at`.
-    Raises `InputError` for anything that is not finite, or a coordinate beyond 1e9 m.
+    Raises `InputError` for anything that is not finite, a coordinate beyond 1e9 m, or a
+    tilt of more than a turn, which is in degrees.
     """
 
     z: Any
@@ -59,6 +60,10 @@ class Pose:
             ):
                 raise InputError(f"Pose.{name}", given, f"finite numbers of {unit}")
             values.append(value)
+        if (np.abs(values[2]) > 2 * np.pi).any():
+            raise InputError(
+                "Pose.tilt", self.tilt, "radians, less than a turn; np.radians(-12) is 12 degrees"
+            )
         try:
             shaped = np.broadcast_arrays(*values)
         except ValueError:

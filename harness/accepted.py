@@ -1,5 +1,6 @@
 """What is accepted: the gate's figures, and the few tables that README shows, none with seconds."""
 
+from collections.abc import Collection
 from pathlib import Path
 
 ACCEPTED = "results/accepted"
@@ -27,3 +28,22 @@ def files(folder: Path) -> dict[str, bytes]:
             expected = f"a folder written by rps-bench reproduce ({name}: {error.strerror})"
             raise InputError("latest", str(folder), expected) from None
     return found
+
+
+def unlike(folder: Path, simulators: Collection[str]) -> str:
+    """Return in what the run that made `folder` is less than the main job, "" if in nothing.
+
+    `simulators`: those whose figures are accepted. Raises `InputError` where the folder does not
+    say what made it.
+    """
+    from harness.report.page import COMMAND, load
+    from harness.studies import STUDIES
+
+    kept = load(folder)
+    if kept["command"] != COMMAND:
+        return f"made by {kept['command']}"
+    studies = [one.name for one in STUDIES if getattr(one.load(), "jobs", STUDIES) is not None]
+    for what, wanted, made in (("models", simulators, "references"), ("studies", studies, "made")):
+        if lacking := sorted({*wanted} - {*kept.get(made, ())}):
+            return f"made without the {what} {', '.join(lacking)}"
+    return ""

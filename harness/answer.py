@@ -1,13 +1,20 @@
 """What an answer must satisfy before it is a number: else it is a failure with a reason."""
 
+from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
-from analytic.model import Info
+from analytic.errors import NotCertifiedError
+from analytic.model import Info, Model
 from analytic.pairing import mass_vectors
-from harness.declared import COARSE, STILL, torsion
+from harness.declared import COARSE, STILL, asked, keeps, torsion
 from reference_models import ModelError
+from reference_models.richardson import SPARE as CROSSING
+from reference_models.richardson import extrapolated
 
 Array = NDArray[np.float64]
 CLOSED = 1e-9
@@ -45,6 +52,79 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     _energies(modes, mass, mechanism, pose)
     _masses(modes, mass, info, mechanism, pose)
     return modes
+
+
+def believed(
+    model: Model,
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+    call: Callable[[Model, int], object],
+    known: Callable[[Model, int], Modes],
+) -> Modes:
+    """Return the `count` lowest modes of `model` if they are to be believed.
+
+    `call` asks a model with one mesh, or none, for so many modes; `known` gives what is believed of
+    others: of the two meshes that are extrapolated, and of the exact limit that `model` declares.
+    Raises `ModelError` for what is not to be believed, and whatever `call` raises.
+    """
+    info = model.info()
+    if isinstance(model.elements, tuple):
+        found: object = _extrapolated(model, model.elements, mechanism, pose, count, known)
+    else:
+        found = call(model, count)
+    modes = checked(found, info, mechanism, pose, count)
+    limit = model.limit()
+    if limit is None or limit == model:
+        return modes
+    try:
+        exact = known(limit, asked(mechanism, count))
+    except ModelError:  # the limit cannot be certified here: it is no fault of the model's
+        return modes
+    keeps(modes, info, model.elements, exact, mechanism, pose)
+    return modes
+
+
+def solved(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> tuple[Modes, float]:
+    """Return `believed` modes, solved in this process, and the seconds that `model` itself took."""
+    limit, exact, seconds = model.limit(), list[Modes](), list[float]()
+
+    def call(one: Model, number: int) -> object:
+        began = perf_counter()
+        answer = one.modes(mechanism, pose, number)
+        seconds.append(perf_counter() - began)
+        return answer
+
+    def known(other: Model, number: int) -> Modes:
+        if other != limit:
+            return believed(other, mechanism, pose, number, call, known)
+        if not exact or len(exact[0].frequencies) < number:
+            try:
+                exact[:] = [other.modes(mechanism, pose, number)]
+            except NotCertifiedError as error:
+                raise ModelError(str(error)) from None
+        return exact[0].first(number)
+
+    return believed(model, mechanism, pose, count, call, known), sum(seconds)
+
+
+def _extrapolated(
+    model: Model,
+    elements: tuple[int, int],
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+    known: Callable[[Model, int], Modes],
+) -> Modes:
+    meshes = []
+    for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
+        mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
+        try:
+            meshes.append(known(mesh, count + spare))
+        except ModelError as error:
+            raise ModelError(f"with {number} elements {error}") from None
+    order = model.info().order
+    return extrapolated(meshes[0], meshes[1], elements, order, mechanism, pose, count)
 
 
 def _frequencies(modes: Modes, count: int) -> Array:

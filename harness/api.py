@@ -6,7 +6,7 @@ from typing import Any
 
 from analytic import InputError
 from analytic.errors import unknown
-from harness.bench import Bench
+from harness.bench import Bench, refuse_others
 from harness.request import Request
 from harness.result import Result
 from harness.studies import STANDARD, find
@@ -62,6 +62,9 @@ def _with(asked: Request, objects: Mapping[str, Any]) -> Request:
             changes[FIELDS[argument]] = tuple(value) if many else (value,)
         else:
             options[argument] = value
+    given = {name: changes.get(FIELDS[name], ()) for name in ("cases", "references")}
+    theory = (changes["theory"],) if "theory" in changes else ()
+    refuse_others(given["cases"], (*given["references"], *theory))
     if "cases" in objects and "model" not in objects:
         changes["theory"] = changes["cases"][0].theory
     return asked.with_(**changes, options=options)

@@ -1,20 +1,17 @@
 """Solves cases by models: each answer once, checked where it arrives, failures in words."""
 
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from analytic import Mechanism, Modes, Pose, limbs_at
+from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
 from analytic.pairing import Pairing, pair
-from harness.answer import checked
+from harness.answer import believed
 from harness.cases import Case
-from harness.declared import asked, keeps
 from harness.rows import mode_rows, settings
 from harness.workers import LIMIT, Children, Failure, Task, attempt
 from reference_models import ModelError
-from reference_models.richardson import SPARE as CROSSING
-from reference_models.richardson import extrapolated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +20,17 @@ SPARE = 2
 """Modes solved for beyond those asked for, so that a mode that changes places is still found."""
 
 Key = tuple[Case, Model]
+
+
+def refuse_others(cases: Iterable[object], models: Iterable[object]) -> None:
+    """Raise `InputError` naming what is no case, or no model."""
+    for one in cases:
+        if not isinstance(one, Case):
+            raise InputError("cases", one, "a Case, such as Case(name, mechanism, pose, note)")
+    for model in models:
+        if not callable(getattr(model, "modes", None)) or not hasattr(model, "info"):
+            expected = "a model, such as reference_models.parse(text, 'models') makes of a text"
+            raise InputError("models", model, expected)
 
 
 def label(model: Model) -> str:
@@ -169,50 +177,23 @@ class Bench:
         return self._kept[key]
 
     def _solve(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | Failure:
-        info = model.info()
-        if info.missing:
-            return Failure(f"cannot run here: {info.missing}")
-        if isinstance(model.elements, tuple):
-            found = self._extrapolated(model, model.elements, mechanism, pose, count)
-        else:
-            found = self.call(ModesTask(model, mechanism, pose, count), info.isolated)
-        if isinstance(found, Failure):
+        if missing := model.info().missing:
+            return Failure(f"cannot run here: {missing}")
+
+        def call(one: Model, number: int) -> object:
+            task = ModesTask(one, mechanism, pose, number)
+            return _unless_failed(self.call(task, one.info().isolated))
+
+        def known(other: Model, number: int) -> Modes:
+            found: Modes = _unless_failed(self.solve(other, mechanism, pose, number))
+            if other == model.limit():  # the same whoever asks: `run` takes it from here
+                self._kept.setdefault((other, mechanism, pose, count), found.first(count))
             return found
+
         try:
-            modes = checked(found, info, mechanism, pose, count)
-            exact = self._exact(model, mechanism, pose, count)
-            if exact is not None:
-                keeps(modes, info, model.elements, exact, mechanism, pose)
+            return believed(model, mechanism, pose, count, call, known)
         except ModelError as error:
             return Failure(str(error))
-        return modes
-
-    def _extrapolated(
-        self, model: Model, elements: tuple[int, int], mechanism: Mechanism, pose: Pose, count: int
-    ) -> object:
-        """Return the limit of two meshes, each checked by itself, or why there is none."""
-        meshes = []
-        for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
-            mesh = replace(model, elements=number)  # type: ignore[type-var]
-            found = self.solve(mesh, mechanism, pose, count + spare)
-            if isinstance(found, Failure):
-                return Failure(f"with {number} elements {found.reason}")
-            meshes.append(found)
-        order = model.info().order
-        return extrapolated(meshes[0], meshes[1], elements, order, mechanism, pose, count)
-
-    def _exact(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | None:
-        """Return the exact limit that a model declares; None where there is none."""
-        limit = model.limit()
-        if limit is None or limit == model:
-            return None
-        more = asked(mechanism, count)
-        found = self.solve(limit, mechanism, pose, more)
-        if isinstance(found, Failure):
-            return None
-        # An exact answer is the same whoever asks: `run` takes it from here.
-        self._kept.setdefault((limit, mechanism, pose, count), found.first(count))
-        return found
 
     def call(self, task: Task, isolated: bool) -> object:
         """Return what a task answers, or a `Failure`; in a process of its own if `isolated`."""
@@ -227,6 +208,12 @@ class Bench:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+
+def _unless_failed(found: Any) -> Any:
+    if isinstance(found, Failure):
+        raise ModelError(found.reason)
+    return found
 
 
 @dataclass(frozen=True)
@@ -252,7 +239,8 @@ def run(
     listener: Listener | None = None,
 ) -> Study:
     """Solve every case by every model on a bench of their own: `Bench.run`."""
-    some = [cases] if isinstance(cases, Case) else cases
-    by = models if isinstance(models, (list, tuple)) else [models]
+    some = tuple(cases) if isinstance(cases, (list, tuple)) else (cases,)
+    by = tuple(models) if isinstance(models, (list, tuple)) else (models,)
+    refuse_others(some, by)
     with Bench(limit, listener) as bench:
-        return bench.run(some, by, count)  # type: ignore[arg-type]
+        return bench.run(some, by, count)

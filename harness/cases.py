@@ -4,8 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from analytic import Mechanism, Platform, Pose
+from analytic import InputError, Mechanism, Platform, Pose
 from analytic.errors import unknown
+from analytic.plausible import warn_of
+from analytic.pose import one_pose
 from harness.paper import Paper, Printed
 from reference_models import Named
 
@@ -17,7 +19,8 @@ class Case:
     Attributes: `name`; `mechanism`; `pose`; `note`, where its numbers come from; `theory`, the
     model it is meant for; `published`, the case of the paper's Table I it stands for; `errata`,
     the ids of the errata that explain its numbers; `title`, what a figure calls it. Of a published
-    table that is data: the `paper`, and what is `printed`.
+    table that is data: the `paper`, and what is `printed`. Raises `InputError` for anything but a
+    mechanism and one pose; warns of what is hardly meant, such as GPa for Pa.
     """
 
     name: str
@@ -30,6 +33,12 @@ class Case:
     title: str = ""
     paper: Paper | None = field(default=None, repr=False)
     printed: tuple[Printed, ...] = field(default=(), repr=False)
+
+    def __post_init__(self) -> None:
+        one_pose(self.mechanism, self.pose)
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError("Case.name", self.name, "a name")
+        warn_of(self.mechanism, self.pose)
 
     @property
     def heading(self) -> str:

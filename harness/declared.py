@@ -66,7 +66,14 @@ def keeps(
     its neighbours tells.
     """
     if not info.torsion:
-        exact = _moving(exact, mechanism, pose)
+        moves = moving(exact, mechanism, pose)
+        exact = replace(
+            exact,
+            frequencies=exact.frequencies[moves],
+            platform=exact.platform[moves],
+            limbs=exact.limbs[moves],
+            uncertainty=None,
+        )
     found, truth = modes.frequencies, exact.frequencies
     if len(truth) <= len(found):
         return
@@ -91,16 +98,9 @@ def _miss(i: int, found: Array, truth: Array) -> ModelError:
     )
 
 
-def _moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> Modes:
-    """Return `modes` without those of limbs that twist alone."""
-    moves = np.linalg.norm(mass_vectors(modes, mechanism, pose), axis=1) >= STILL
-    return replace(
-        modes,
-        frequencies=modes.frequencies[moves],
-        platform=modes.platform[moves],
-        limbs=modes.limbs[moves],
-        uncertainty=None,
-    )
+def moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
+    """Return which of `modes` are not of limbs that twist alone."""
+    return np.asarray(np.linalg.norm(mass_vectors(modes, mechanism, pose), axis=1) >= STILL)
 
 
 def _count(modes: Modes, exact: Modes, scale: Array, mechanism: Mechanism, pose: Pose) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from harness.figures import figure_files, own_style
 from harness.plain import file_name
 from harness.result import Result
-from harness.tables import table_files
+from harness.tables import harmless, table_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,17 +34,32 @@ def result_files(result: Result, stem: str) -> dict[str, bytes]:
 
 def tidy(frame: "pd.DataFrame") -> bytes:
     """Return a frame as CSV, numbers with the digits that are significant."""
+    frame = frame.copy()
+    for name in frame.select_dtypes(exclude="number"):
+        frame[name] = frame[name].map(harmless)
     text: str = frame.to_csv(index=False, lineterminator="\n", float_format=f"%.{DIGITS}g")
     return text.encode()
 
 
-def check_folder(text: str, argument: str = "output") -> Path:
-    """Return the folder that `text` names; raises `InputError` where it cannot be one."""
+def check_folder(text: str, argument: str = "output", *, writes: bool = False) -> Path:
+    """Return the folder that `text` names, which `writes` may have to make.
+
+    Raises `InputError` where it cannot be one, or must be written and cannot.
+    """
     from analytic import InputError
 
     folder = Path(text)
-    if text == "" or (folder.exists() and not folder.is_dir()):
+    try:
+        text.encode()
+        # What is to be made needs a folder above it that may be written.
+        found = next(one for one in (folder, *folder.absolute().parents) if os.path.lexists(one))
+        good = text != "" and found.is_dir()
+    except (ValueError, OSError):
+        good = False
+    if not good:
         raise InputError(argument, text, "the name of a folder")
+    if writes and not os.access(found, os.W_OK):
+        raise InputError(argument, text, f"a folder that may be written, unlike {found}")
     return folder
 
 
@@ -58,6 +73,7 @@ def check_file(text: str, argument: str = "output") -> Path:
     path = Path(text)
     if not path.name or path.is_symlink() or (path.exists() and not path.is_file()):
         raise InputError(argument, text, "the name of a file, no folder, link or device")
+    check_folder(str(path.parent), argument, writes=True)
     return path
 
 

@@ -7,6 +7,7 @@ from types import ModuleType
 from analytic import InputError
 from analytic.errors import unknown
 from harness.bench import Bench
+from harness.plain import plain
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
@@ -31,8 +32,8 @@ class Part:
     def sentences(self) -> list[str]:
         """Return what all its results say."""
         if self.why:
-            return [f"Not made: {self.why}."]
-        return [line for result in self.results.values() for line in result.sentences()]
+            return [plain(f"Not made: {self.why}.")]
+        return [plain(line) for result in self.results.values() for line in result.sentences()]
 
 
 def chosen(names: Sequence[str] | None) -> list[Entry]:
@@ -77,7 +78,7 @@ def summaries(plan: Plan, parts: Sequence[Part]) -> dict[str, bytes]:
 
     Seconds are in a file of their own.
     """
-    cases = ", ".join(case.name for case in plan.cases)
+    cases = ", ".join(plain(case.name) for case in plan.cases)
     lasting, timed = ([p for p in parts if p.entry.timed is kind] for kind in (False, True))
     files = {
         "summary.md": TOP.format(title="Summary", cases=cases, more=SUMMARY) + "\n" + short(lasting)

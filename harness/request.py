@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf, isfinite
 from typing import Any
 
+from analytic import InputError
 from harness.cases import Case
 from reference_models import Named
 
@@ -22,6 +24,45 @@ class Option:
     help: str
     default: str | None
     parse: Callable[[str], Any]
+
+
+def whole(name: str, least: int, most: int) -> Callable[[str], int]:
+    """Return what reads a whole number from `least` to `most`."""
+
+    def parse(text: str) -> int:
+        if not (text.isascii() and text.isdecimal() and least <= int(text[:12]) <= most):
+            raise InputError(name, text, f"a whole number from {least} to {most}")
+        return int(text)
+
+    return parse
+
+
+def real(
+    name: str, expected: str, least: float = -inf, most: float = inf, unit: float = 1.0
+) -> Callable[[str], float]:
+    """Return what reads a number from `least` to `most`, in SI: `unit` is that of the text."""
+
+    def parse(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = inf
+        if not (isfinite(value) and least <= value <= most):
+            raise InputError(name, text, expected)
+        return value * unit
+
+    return parse
+
+
+def one_of(name: str, *known: str) -> Callable[[str], str]:
+    """Return what reads one of the words `known`."""
+
+    def parse(text: str) -> str:
+        if text not in known:
+            raise InputError(name, text, f"one of {', '.join(known)}")
+        return text
+
+    return parse
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import io
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.plain import plain
 
@@ -47,6 +47,8 @@ NARROW = 12
 """Characters a column of text keeps at least, however narrow the terminal."""
 GAP = 3
 """Spaces between columns."""
+FORMULA = re.compile(r"[=@\t\r]|[+-](?![\d.]*(e[+-]?\d+)?( %)?$)")
+"""How a text begins that a spreadsheet may take for a formula: `history.duck` has it as well."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +100,8 @@ class Table:
 
     def markdown(self) -> str:
         """Return the table as GitHub-flavoured Markdown with title and notes."""
-        notes = "".join(f"- {note}\n" for note in self.notes)
-        body = f"## {self.title}\n\n{self._tabulated('github')}\n"
+        notes = "".join(f"- {plain(note)}\n" for note in self.notes)
+        body = f"## {plain(self.title)}\n\n{self._tabulated('github')}\n"
         return f"{body}\n{notes}" if notes else body
 
     def latex(self, label: str = "table") -> str:
@@ -135,9 +137,9 @@ class Table:
         """Return the cells, numbers with the digits that are significant; no title or notes."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(self.columns)
+        writer.writerow(map(harmless, self.columns))
         for row in self.rows:
-            writer.writerow([c.kept if isinstance(c, Number) else _harmless(c) for c in row])
+            writer.writerow([c.kept if isinstance(c, Number) else harmless(c) for c in row])
         return text.getvalue()
 
     def to_frame(self) -> "pd.DataFrame":
@@ -245,8 +247,8 @@ def _for_latex(text: str) -> str:
     return re.sub("^-(?=[0-9])", "$-$", text.translate(LATEX).replace("--", "-{}-"))
 
 
-def _harmless(cell: str | int) -> str | int:
-    """Return a cell that no spreadsheet takes for a formula."""
-    if isinstance(cell, str):
-        return f"'{cell}" if cell[:1] in ("=", "@", "\t", "\r") else plain(cell)
-    return cell
+def harmless(cell: Any) -> Any:
+    """Return a cell that no spreadsheet takes for a formula; a text that is a number stays one."""
+    if not isinstance(cell, str):
+        return cell
+    return f"'{plain(cell)}" if FORMULA.match(cell) else plain(cell)

@@ -22,7 +22,7 @@ from harness.gate.properties import Property, precision, properties
 from harness.result import Result
 from harness.tables import Table
 from harness.workers import Failure
-from reference_models import ModelError, Named, names
+from reference_models import ModelError, Named, names, parse
 from reference_models.catalogue import known
 
 if TYPE_CHECKING:
@@ -104,7 +104,8 @@ def verify(name: str, bench: Bench | None = None) -> Verified:
     checked = solve(plan, bench)
     answers = [*described, _answered(checked, bench)]
     if answers[-1].holds:
-        answers += [_property(one) for one in properties(checked, bench) if _is_of(one, name)]
+        about = ((one, parse(one.model, "model").name) for one in properties(checked, bench))
+        answers += [_property(one) for one, of in about if of == name]
         answers += [_order(checked, bench), *_repeated(checked)]
     answers += _refusals(plan.everywhere[0], bench)
     return Verified(name, tuple(answers), (checked.cases,))
@@ -166,10 +167,6 @@ def _answered(checked: Checked, bench: Bench) -> Answer:
         return Answer(question, False, "; ".join(reversed(first.values())))
     number = sum(len(study.answers) for study in checked.studies)
     return Answer(question, True, f"{number} answers on {len(checked.plan.everywhere)} meshes")
-
-
-def _is_of(one: Property, name: str) -> bool:
-    return one.model.partition("@")[0].partition(" ")[0] == name
 
 
 def _property(one: Property) -> Answer:

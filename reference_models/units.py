@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
 from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod, Vector
 from analytic.modes import Modes
-from analytic.pose import Pose
+from analytic.pose import Pose, one_pose
 from reference_models.placement import place
 from reference_models.protocol import ModelError
 
@@ -94,8 +93,7 @@ def in_robot_units(
     Raises `InputError` for many poses or a pose out of reach, `ModelError` where a joint of model
     `name` is open, and whatever `solve` raises.
     """
-    if pose.shape:
-        raise InputError("pose", f"{pose.shape} poses", "one pose at a time for this model")
+    one_pose(mechanism, pose)
     lengths = place(mechanism, pose).lengths
     units = Units.of(mechanism, lengths, slow)
     found = units.modes(solve(units.mechanism(mechanism), units.pose(pose), count))

@@ -107,7 +107,7 @@ def accept(
     here stay. With --case-file it makes and keeps a baseline of your own mechanism.
     """
     from analytic import InputError
-    from harness.accepted import files
+    from harness.accepted import files, unlike
     from harness.bench import Bench
     from harness.gate.files import save
     from harness.gate.gate import NotAcceptedError, accepted
@@ -121,6 +121,10 @@ def accept(
     usual = LATEST if texts["case_file"] is None else "none"
     source = usual if latest is None else latest
     shown = {} if source == "none" else files(Path(source))
+    wanted = () if known is None else known.figures.simulators
+    if shown and not reason and (why := unlike(Path(source), wanted)):
+        expected = f"what the main job wrote, none, or a --reason to show another run ({why})"
+        raise InputError("latest", source, expected)
     with Bar() as bar, Bench(time_limit, bar) as bench:
         report, checked = _look(plan, known, bench, history)
         try:

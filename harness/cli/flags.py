@@ -22,8 +22,8 @@ FLAGS = {
     "shear": ("KAPPA", "Timoshenko's kappa: cowper (default), 0.9, 6/7 or a number."),
 }
 """Metavariable and help of every standard argument."""
-WRITES = ("output", "history", "json", "markdown", "junit")
-"""Options that say where to write, not what to compute."""
+WRITES = ("output", "history", "json", "markdown", "junit", "time_limit")
+"""Options that say where to write and how long to wait, not what to compute."""
 _known: set[str] = set()
 """Arguments that are flags of the command that runs: errors name them as they are typed."""
 
@@ -95,7 +95,7 @@ def output(default: str | None = None) -> Callable[..., Any]:
     def check(_context: Any, _option: Any, text: str | None) -> Path | None:
         from harness.output import check_folder
 
-        return None if text is None else check_folder(text)
+        return None if text is None else check_folder(text, writes=True)
 
     said = f"Folder for the files{f'; default {default}' if default else ''}."
     return option("output", "DIR", said, default=default, callback=check)
@@ -133,7 +133,7 @@ def dashed(sentence: str) -> str:
 
 
 def as_typed(without: tuple[str, ...] = ()) -> str:
-    """Return the command that runs now with its options, but for where it writes and `without`."""
+    """Return the command that runs now with its options, but for `WRITES` and `without`."""
     context = click.get_current_context()
     words = ["rps-bench", context.info_name or ""]
     for parameter in context.command.params:

@@ -2,9 +2,12 @@
 
 import atexit
 import difflib
+import errno
 import gc
+import io
 import os
 import sys
+import warnings
 from importlib import import_module
 
 import click
@@ -89,12 +92,14 @@ class Commands(click.Group):
 
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit status 2."""
+    warnings.showwarning = _warn
+    _streams()
     try:
         with one_thread():
             ended = cli(standalone_mode=False)
         sys.stdout.flush()
     except BrokenPipeError:  # whoever read has enough: everything is written before it is shown
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _hush()
         sys.exit(0)
     except (click.exceptions.Abort, KeyboardInterrupt):
         _say("interrupted")
@@ -102,12 +107,39 @@ def main() -> None:
     except click.ClickException as error:
         _say(error.format_message())
         sys.exit(2)
+    except OSError as error:
+        if error.filename is not None or error.errno not in (errno.ENOSPC, errno.EIO, errno.EBADF):
+            raise
+        _hush()  # files are written before anything is shown
+        _say(f"cannot show more: the standard output takes nothing ({error.strerror})")
+        sys.exit(1)
     except Exception as error:
         if not _is_sentence(error):
             raise
         _say(dashed(str(error)))
         sys.exit(2)
     sys.exit(ended if isinstance(ended, int) else 0)
+
+
+def _warn(message: Warning | str, *_: object, **__: object) -> None:
+    _say(f"warning: {message}")
+
+
+def _streams() -> None:
+    """Open what is closed, lest a file take its place; show letters that a terminal has not."""
+    while (opened := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(opened)
+    sys.stdout = sys.stdout or open(1, "w", closefd=False)  # noqa: SIM115
+    sys.stderr = sys.stderr or open(2, "w", closefd=False)  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _hush() -> None:
+    """Let what is left of the standard output go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say(sentence: str) -> None:

@@ -65,11 +65,13 @@ class Bar:
         self._bar.update(self._task, advance=steps, description=plain(self._part + what))
 
     def __enter__(self) -> Self:
-        self._bar.start()
+        if not self._bar.disable:
+            self._bar.start()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._bar.stop()
+        if not self._bar.disable:  # Rich 13 ends a line even so
+            self._bar.stop()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from harness.gate.ratchet import SHAPE, Baseline
 from harness.gate.timing_watch import Timing
 from harness.rows import GATE
 from harness.workers import Failure
-from reference_models import parse
+from reference_models import Named, parse
 
 FAILED, BETTER, NOTED = "failed", "better", "noted"
 """`BETTER` fails as well (a two-way ratchet), but is accepted without a reason."""
@@ -125,18 +125,24 @@ def compare(baseline: Baseline, now: Measured, checked: Checked) -> list[Finding
 
 
 def _missing(before: Measured, now: Measured, checked: Checked) -> Iterator[Finding]:
-    """Yield every accepted model and pose without figures, unless less was asked for."""
+    """Yield every accepted model and pose without figures, unless less was asked for.
+
+    What a program is missing for is noted; a model that is not usable any more fails.
+    """
     failed = {(case.name, label(m)) for study in checked.studies for case, m in study.failures}
     for case, model in before.places:
         if (case, model) in now.places or (case, model) in failed:
             continue
-        why = "no model has this name"
+        why, verdict = "no model has this name", FAILED
         with suppress(InputError):
-            if parse(model, "baseline").name in checked.plan.skipped:
+            name = parse(model, "baseline").name
+            why = checked.plan.skipped.get(name, "not in the study any more")
+            if why == NOT_ASKED:
                 continue
-            why = "not in the study any more"
+            if name in checked.plan.skipped and Named(name, None).info().program:
+                verdict = NOTED
         yield Finding("missing", model, case, None, "accepted figures", "accepted", "not measured",
-                      cause=why)  # fmt: skip
+                      verdict=verdict, cause=why)  # fmt: skip
 
 
 def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:

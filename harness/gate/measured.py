@@ -1,13 +1,14 @@
 """What a check compares: frequencies, what each mode looks like, mode counts, orders, versions."""
 
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Modes
+from analytic import InputError, Modes
 from analytic.pairing import pair
 from harness.bench import SPARE, Bench, label
 from harness.cases import Case
@@ -15,7 +16,7 @@ from harness.gate.plan import MODES, Checked, group
 from harness.rows import mechanism_hash
 from harness.studies.refinement import MESHES, verify
 from harness.workers import Failure
-from reference_models import Named
+from reference_models import Named, parse
 
 Key = tuple[str, str, int]
 """Case (or pose of the map), model's label, mode from 1. Orders: model's name."""
@@ -89,6 +90,16 @@ class Measured:
     def places(self) -> dict[Place, None]:
         """Where modes were measured, in order."""
         return dict.fromkeys((case, model) for case, model, _ in self.modes)
+
+    @property
+    def simulators(self) -> set[str]:
+        """Names of the simulators that there are figures of; not of models that are gone."""
+        found = set()
+        for model in self.sources:
+            with suppress(InputError):
+                named = parse(model, "baseline")
+                found |= {named.name} if named.info().isolated else set()
+        return found
 
     def without(self, labels: Collection[str]) -> "Measured":
         """Return these figures without those of the models called `labels`."""

@@ -121,29 +121,29 @@ def accept(
     recorded with `about` (time and commit), after `reasons`, those of whatever else was accepted.
     Models not measured stay as they are, but for those called one of `gone`.
     """
-    fresh = {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
     if before is None:
+        fresh = {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
         return Baseline(now, dict(noise), fresh, {}, tuple(reasons))
+    modes, drift = dict(now.modes), dict[Key, float]()
+    for key, new in now.modes.items():
+        was, off = before.figures.modes.get(key), np.inf
+        if was is not None and new.partner == was.partner:
+            off = float(relative(new.frequency, was.frequency))
+        # What did not move keeps its value: many small steps must not add up unseen.
+        if was and off <= before.allowed(key) and abs(new.assurance - was.assurance) < SHAPE:
+            modes[key] = was
+            place = group(key[0]), *key[1:]
+            drift[place] = max(drift.get(place, 0.0), off)
     kept, wider = dict(before.tolerance), []
-    for key, value in fresh.items():
-        old = kept.get(key, value)
+    for key, own in noise.items():
+        # A value that is kept must still be met by what was measured.
+        value, old = FACTOR * max(own, drift.get(key, 0.0), FLOOR), kept.get(key, np.inf)
         kept[key] = min(old, value)
-        if reason and value > old and noise[key] > NEAR * old:
+        if reason and value > old and own > NEAR * old:
             case, model, mode = key
             kept[key] = value
             wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
                                 repr(old), repr(value), reason))  # fmt: skip
-    modes = dict(now.modes)
-    for key, new in now.modes.items():
-        was = before.figures.modes.get(key)
-        # What did not move keeps its value: many small steps must not add up unseen.
-        if (
-            was is not None
-            and new.partner == was.partner
-            and abs(new.assurance - was.assurance) < SHAPE
-            and relative(new.frequency, was.frequency) <= before.allowed(key)
-        ):
-            modes[key] = was
     return Baseline(
         before.figures.without(gone).updated(replace(now, modes=modes)),
         {key: v for key, v in (before.noise | dict(noise)).items() if key[1] not in gone},

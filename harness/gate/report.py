@@ -14,6 +14,7 @@ from harness.gate.plan import group
 from harness.gate.properties import Property
 from harness.gate.ratchet import Baseline
 from harness.gate.timing_watch import Timing
+from harness.plain import plain
 from harness.result import Result
 from harness.tables import Table
 
@@ -99,7 +100,9 @@ class Report(Result):
             models = list(dict.fromkeys(one.model for one in self.failed if one.model))
             return f"failed: {said}; {', '.join(models[:6])}{' and others' * (len(models) > 6)}"
         if self.compared:
-            return f"passed: {sum(self.checked.values())} figures compared, nothing moved"
+            gone = {one.model for one in self.findings if one.kind == "missing"}
+            said = f"; accepted but not measured here: {', '.join(sorted(gone))}" if gone else ""
+            return f"passed: {sum(self.checked.values())} figures compared, nothing moved{said}"
         what = "and nothing that needs no baseline was seen either"
         if self.baseline is not None:
             what = "for the baseline holds none of these; rps-bench accept adds what is new"
@@ -188,7 +191,7 @@ def as_markdown(report: Report) -> bytes:
     tables = report.tables()
     parts = [f"# {mark} rps-bench check {report.outcome}\n"]
     parts += [tables[ending].markdown() for ending in ("", "-findings") if ending in tables]
-    parts += [f"- {note}\n" for note in report.notes]
+    parts += [f"- {plain(note)}\n" for note in report.notes]
     parts += [
         f"<details><summary>{table.title}</summary>\n\n{table.markdown()}\n</details>\n"
         for ending, table in tables.items()
@@ -224,6 +227,9 @@ def as_junit(report: Report) -> bytes:
                 ElementTree.SubElement(test, "failure", message=failed[0]).text = "\n".join(failed)
             elif found:
                 ElementTree.SubElement(test, "system-out").text = "\n".join(map(_line, found))
+    for element in root.iter():  # XML has no characters that steer a terminal
+        element.attrib = {key: plain(value) for key, value in element.attrib.items()}
+        element.text = "\n".join(map(plain, (element.text or "").split("\n")))
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     return f"<?xml version='1.0' encoding='utf-8'?>\n{text}\n".encode()

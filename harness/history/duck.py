@@ -51,6 +51,8 @@ def sink(
     """
     import duckdb
 
+    if suffix == ".csv":
+        sql = _harmless(base, sql, params)
     try:
         told = base.execute(
             f"COPY ({sql}\n) TO {quoted(path)} ({FORMS[suffix]}, USE_TMP_FILE false)", params
@@ -62,6 +64,24 @@ def sink(
     with path.open("rb") as file:
         os.fsync(file.fileno())
     return int(height)
+
+
+def _harmless(base: "DuckDBPyConnection", sql: str, params: Params) -> str:
+    """Return a query whose texts no spreadsheet takes for a formula, as `harness.tables` does."""
+    columns = base.execute(f"DESCRIBE {sql}", params).fetchall()
+    safe = []
+    for k, (name, kind, *_) in enumerate(columns):
+        value = f"c{k}"
+        if kind == "VARCHAR" or (kind.startswith("ENUM") and kind.endswith(")")):
+            value = (
+                f"CASE WHEN regexp_matches(c{k}::VARCHAR, '^[=@\\t\\r+-]') AND "
+                f"try_cast(c{k}::VARCHAR AS DOUBLE) IS NULL THEN '''' || c{k}::VARCHAR "
+                f"ELSE c{k}::VARCHAR END"
+            )
+        safe.append(f"{value} AS {named(name)}")
+    # By place: an answer may have two columns of one name.
+    places = ", ".join(f"c{k}" for k in range(len(columns)))
+    return f"SELECT {', '.join(safe)} FROM ({sql}\n) AS answer({places})"
 
 
 def quoted(text: object) -> str:

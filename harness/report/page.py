@@ -67,6 +67,8 @@ def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
     sections[top.key] = vars(top)
     return {
         "format": FORMAT, "version": VERSION, "release": __version__, "command": command,
+        "references": [one.name for one in plan.references],
+        "made": [part.entry.name for part in parts if not part.why],
         "sections": sections, "maps": maps.own(run), "ledger": run.ledger.records,
     }  # fmt: skip
 

@@ -281,7 +281,7 @@ def budget_figure(result: Budget) -> "Figure":
         axes.tick_params(axis="x", which="major", length=0, pad=13)
         axes.set_xlabel("under each bar: s; whiskers: the reference's own GCI", fontsize=8)
         axes.axhline(0, color="0.4", lw=0.8)
-        axes.margins(y=0.12)
+        axes.margins(y=0.2)  # room for the totals' values
     row[0].set_ylabel("share of the error [percentage points]")
     row[0].legend(fontsize=8, loc="upper left")
     return figure

@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from analytic import InputError, Mechanism, Modes, Pose, __version__
 from analytic.condensed import CHUNK
 from analytic.model import Model
-from harness.answer import checked
+from harness import answer as answers
+from harness import declared
+from harness.answer import solved
+from harness.history.provenance import provenance
 from reference_models import ModelError
 
 BATCH = 10 * CHUNK
@@ -28,7 +31,8 @@ class Answer:
 
     Attributes: `frequencies` (n, count) [Hz]; `uncertainty` of the same shape [Hz], or None;
     `closure`: the largest gap of a joint [m], or None where none can open; `theory` and `version`
-    in words; `dofs` solved for; `seconds` the model's call took.
+    in words; `dofs` solved for; `seconds` the model's call took; `made`: code, machine and
+    libraries of the process that found it, as `provenance` says them.
     """
 
     frequencies: NDArray[np.float64]
@@ -38,6 +42,7 @@ class Answer:
     version: str
     dofs: int
     seconds: float
+    made: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -71,16 +76,13 @@ class Job:
         here = program_of(self.model)
         if here != self.program:
             raise ModelError(f"{here} runs here, not {self.program} as planned")
-        info, count = self.model.info(), self.count
-        began = perf_counter()
-        if info.isolated:
-            pose = self.poses[0]
-            modes = self.model.modes(self.mechanism, pose, count)
-            seconds = perf_counter() - began
-            modes = checked(modes, info, self.mechanism, pose, count)
+        count = self.count
+        if self.isolated:
+            modes, seconds = solved(self.model, self.mechanism, self.poses[0], count)
             found, uncertainty = modes.frequencies[None], modes.uncertainty
             uncertainty = None if uncertainty is None else np.asarray(uncertainty)[None]
         else:
+            began = perf_counter()
             found = np.asarray(self.model.frequencies(self.mechanism, self.poses, count))
             seconds, uncertainty = perf_counter() - began, None
             # For their theory, version and size, which are the same at every pose.
@@ -88,9 +90,8 @@ class Job:
             if asked not in _told:
                 _told[asked] = self.model.modes(self.mechanism, self.poses[0], count)
             modes = _told[asked]
-        answer = Answer(
-            found, uncertainty, modes.residual, modes.theory, modes.version, modes.dofs, seconds
-        )
+        about = modes.residual, modes.theory, modes.version, modes.dofs
+        answer = Answer(found, uncertainty, *about, seconds, tuple(provenance().values()))
         if why := self.flaw(answer):
             raise ModelError(why)
         return answer
@@ -153,11 +154,14 @@ _said = lru_cache(maxsize=4)(repr)
 
 
 def _source(model: Model) -> str:
-    """Return a hash of the files behind a model: its own package, or file, and `analytic`."""
+    """Return a hash of the files behind a model: its own package, or file, `analytic`, and what
+    makes and checks an answer."""
     built = model.build() if hasattr(model, "build") else model
     parts = (built, *getattr(built, "__dict__", {}).values())  # an extrapolation holds two models
     names = {"analytic", *(type(part).__module__.partition(".")[0] for part in parts)}
     content = sha256()
+    for own in (__file__, answers.__file__, declared.__file__):
+        content.update(Path(own).read_bytes())
     for name in sorted(names):
         file = getattr(sys.modules.get(name), "__file__", None)
         if file is not None and Path(file).is_file():

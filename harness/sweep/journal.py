@@ -3,6 +3,7 @@
 import pickle
 import sqlite3
 import zlib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Self
 
@@ -18,6 +19,7 @@ _OPEN = (
     "BEGIN EXCLUSIVE",
     "CREATE TABLE IF NOT EXISTS jobs (key BLOB PRIMARY KEY, answer BLOB NOT NULL, "
     "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS recorded (key BLOB PRIMARY KEY) WITHOUT ROWID",
     "COMMIT",
 )
 
@@ -74,6 +76,18 @@ class Journal:
         content = pickle.dumps(answer, protocol=5)
         values = (job.key, content, answer.seconds, zlib.crc32(content))
         self._run("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", *values)
+
+    def recorded(self, job: Job) -> bool:
+        """Return whether a history has the answer of `job`."""
+        asked = self._run("SELECT 1 FROM recorded WHERE key = ?", job.key)
+        return asked.fetchone() is not None
+
+    def record(self, jobs: Iterable[Job]) -> None:
+        """Take in that a history has the answers of `jobs`."""
+        self._run("BEGIN")
+        for job in jobs:
+            self._run("INSERT OR IGNORE INTO recorded VALUES (?)", job.key)
+        self._run("COMMIT")
 
     def _run(self, statement: str, *values: object) -> sqlite3.Cursor:
         try:

@@ -12,6 +12,7 @@ import numpy as np
 from analytic.model import Model
 from harness.bench import label
 from harness.history.duck import constant, named, quoted
+from harness.history.provenance import provenance
 from harness.history.store import append_table
 from harness.rows import SWEEP, mechanism_hash, settings
 from harness.sweep.jobs import BATCH, Answer, Job
@@ -46,6 +47,7 @@ class Timing:
     """What a model itself took over all runs into a folder: `poses` and seconds a pose of each job.
 
     `theories` and `versions` in words: usually one, but a simulator may have others elsewhere.
+    `made`: numbers of the first and last pose of what was found by one code, machine and libraries.
     """
 
     poses: int = 0
@@ -53,6 +55,7 @@ class Timing:
     each: list[float] = field(default_factory=list)
     theories: set[str] = field(default_factory=set)
     versions: set[str] = field(default_factory=set)
+    made: dict[tuple[str, ...], list[tuple[int, int]]] = field(default_factory=dict)
 
     def add(self, job: Job, answer: Answer) -> None:
         """Take in a job."""
@@ -61,6 +64,11 @@ class Timing:
         self.each.append(answer.seconds / len(job.poses))
         self.theories.add(answer.theory)
         self.versions.add(answer.version)
+        first, last = job.start + 1, job.start + len(job.poses)
+        ranges = self.made.setdefault(answer.made, [])
+        if ranges and ranges[-1][1] == job.start:
+            first = ranges.pop()[0]
+        ranges.append((first, last))
 
     @property
     def usual(self) -> float | None:
@@ -71,11 +79,13 @@ class Timing:
 class Rows:
     """The rows on their way to `file`; a thread adds them, block by block, while jobs are solved.
 
-    As a context. Attributes: `timings` of each model, whole when `write` has returned.
+    As a context. Attributes, whole when `write` has returned: `timings` of each model; `fresh`,
+    whether an answer is in no history yet.
     """
 
     def __init__(self, sweep: Sweep, journal: Journal, file: Path, modes: Sequence[int]) -> None:
         self.timings = {model: Timing() for model in sweep.models}
+        self.fresh = False
         self._sweep, self._journal, self._pick = sweep, journal, np.array(modes) - 1
         labels = ", ".join(quoted(label(model)) for model in sweep.models)
         kinds = ROWS | {"model": f"ENUM({labels})"}
@@ -100,6 +110,7 @@ class Rows:
         found = list(sweep.answers(self._journal, model, start, stop))
         for job, answer in found:
             self.timings[model].add(job, answer)
+            self.fresh = self.fresh or not self._journal.recorded(job)
         if found:
             same = {"mechanism": mechanism_hash(sweep.mechanism), "model": label(model)}
             self._table.add(self._block(found) | same)
@@ -142,8 +153,15 @@ class Rows:
         self._table.write()
 
     def keep(self, folder: Path, command: str) -> None:
-        """Append the rows to the history in `folder`; `solve_s` is a median."""
-        parts = []
+        """Append the rows to the history in `folder`, if it lacks any; `solve_s` is a median.
+
+        Each says what made it, which need not be what resumed the sweep.
+        """
+        if not self.fresh:
+            return
+        base = self._table.base
+        base.execute("CREATE TEMP TABLE made (number BIGINT, first BIGINT, last BIGINT)")
+        parts: list[str] = []
         for model, timing in self.timings.items():
             same = {  # what is the same in all rows of a model need not be read
                 "case": SWEEP,
@@ -157,10 +175,23 @@ class Rows:
             columns = [name for name in ROWS if name not in same]
             columns += [f"{constant(value)} AS {named(name)}" for name, value in same.items()]
             columns.append(f"{timing.usual or 'NULL'} AS solve_s")
-            where = f"WHERE model = {quoted(label(model))}"
-            parts.append(f"SELECT {', '.join(columns)} FROM {TABLE} {where}")
-        self._table.base.execute(f"CREATE VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
-        append_table(folder, self._table.base, "records", command)
+            for made, ranges in timing.made.items():
+                about = zip(provenance(), made, strict=True)
+                own = [f"{constant(value)} AS {named(name)}" for name, value in about]
+                where = f"WHERE model = {quoted(label(model))}"
+                if len(timing.made) > 1:
+                    base.executemany(f"INSERT INTO made VALUES ({len(parts)}, ?, ?)", ranges)
+                    within = "pose BETWEEN first AND last"
+                    where += f" AND EXISTS (FROM made WHERE number = {len(parts)} AND {within})"
+                parts.append(f"SELECT {', '.join([*columns, *own])} FROM {TABLE} {where}")
+        base.execute(f"CREATE TEMP VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
+        append_table(folder, base, "records", command)
+        self._journal.record(
+            job
+            for model in self._sweep.models
+            for start, stop in self._sweep.blocks()
+            for job, _ in self._sweep.answers(self._journal, model, start, stop)
+        )
 
     def first_table(self) -> Table:
         """Return the frequencies of the first few poses; the file has all of them."""

@@ -1,5 +1,6 @@
 """A sweep from poses and models to files: solved, written meanwhile, compared, kept."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from harness import threads
+from harness.cases import select
 from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result
@@ -15,15 +17,22 @@ from harness.sweep.engine import Engine, Patience, engine
 from harness.sweep.error_map import compare, error_table
 from harness.sweep.jobs import Job
 from harness.sweep.journal import Journal
+from harness.sweep.pose_sets import pose_set
 from harness.sweep.rows import Rows
 from harness.sweep.sweep import Failures, Sweep, complete, failure_table
 from harness.sweep.worst_poses import worst_table
 from harness.tables import Table, table_files
+from harness.text import models as models_of
+from reference_models import parse
 
 if TYPE_CHECKING:
     import pandas as pd
 
 ONE_CORE_EACH = Patience()
+OWN = re.compile(
+    r"(frequencies|error-map)\.(parquet|csv|json)|(timing|errors|worst|failures)\.(csv|md|tex)"
+)
+"""Names of the files that a sweep writes."""
 
 
 @dataclass(frozen=True)
@@ -61,23 +70,34 @@ class Swept(Result):
 
 
 def solve(
-    mechanism: Mechanism,
-    poses: Pose,
-    models: Iterable[Model],
-    folder: Path,
+    mechanism: Mechanism | str,
+    poses: Pose | str,
+    models: Iterable[Model] | str,
+    folder: Path | str,
     count: int = 6,
     *,
-    against: Model | None = None,
+    against: Model | str | None = None,
     cores: int | None = None,
     scheduler: str | None = None,
     patience: Patience = ONE_CORE_EACH,
 ) -> Swept:
     """Solve `poses` (arrays) by `models` into `folder`; what is there already is not solved again.
 
+    Texts mean what they mean on the command line: a case's name for its mechanism, "random:7:1",
+    "exudyn-cable@8,rayleigh@exact".
     `against`: one of the models, or one more, that the others are compared with. Jobs run on
     `cores`, by default all, or on the Dask cluster of a `scheduler`. Raises `OutputError` where the
     folder cannot be written.
     """
+    if isinstance(mechanism, str):
+        mechanism = select([mechanism], {})[0].mechanism
+    if isinstance(poses, str):
+        poses = pose_set(poses, mechanism)
+    if isinstance(models, str):
+        models = models_of(models, "models")
+    if isinstance(against, str):
+        against = parse(against, "against")
+    folder = Path(folder)
     everything = tuple(dict.fromkeys([*models, *([] if against is None else [against])]))
     sweep = Sweep(mechanism, poses, everything, count)
     with (
@@ -104,7 +124,8 @@ def carry_out(
 
     Errors and tables go beside it; the ending .parquet, .csv or .json is that of all rows. The
     `listener` hears of each finished job; `again`: options of a command that shows a worst pose;
-    `history`: where the rows are kept, unless nothing was computed, and as which command.
+    `history`: where the rows are kept, unless one has them all, and as which command. Files that
+    an earlier sweep left in the folder and this one does not write are removed.
     Raises `OutputError` where a file cannot be written.
     """
 
@@ -124,6 +145,9 @@ def carry_out(
         made["failures"] = failure_table(failures)
         files += write_all(file.parent, table_files(made))
         made = {"first": rows.first_table(), **made}  # shown only: the file has all of it
-        if history is not None and solved:
+        for path in file.parent.iterdir():
+            if OWN.fullmatch(path.name) and path not in files:  # an earlier sweep's
+                path.unlink()
+        if history is not None:
             rows.keep(*history)
     return Swept(file, tuple(files), made, failures, solved)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from analytic import Mechanism, Modes, Pose
 from analytic.model import Model
 from analytic.pairing import pair
-from harness.answer import checked
+from harness.answer import solved
 from harness.bench import label
 from harness.compare import cell, relative_error
 from harness.sweep.engine import Engine, run
@@ -50,11 +50,12 @@ class ShapeCheck:
         return relative_error(first.frequencies, reference), pairs.assurance
 
     def _modes(self, model: Model, count: int) -> Modes:
-        info, wanted = model.info(), count
+        wanted = count
         while True:
-            modes = model.modes(self.mechanism, self.pose, wanted)
-            if info.isolated:
-                modes = checked(modes, info, self.mechanism, self.pose, wanted)
+            if model.info().isolated:
+                modes, _ = solved(model, self.mechanism, self.pose, wanted)
+            else:
+                modes = model.modes(self.mechanism, self.pose, wanted)
             if self.torsion or not beams_of(model):
                 return modes
             amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))

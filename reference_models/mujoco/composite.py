@@ -36,12 +36,21 @@ def rods(limbs: list[Limb], elements: int) -> Rods:
     bodies = [[f"B{i}", *(f"R{i}_{name}" for name in inner), "platform"] for i in range(len(limbs))]
     none = [""] * len(limbs)
 
-    def place(model: Any) -> None:
-        # The composite keeps its points in single precision, 3e-8 m beside A_i.
+    def exact(model: Any) -> None:
+        # The composite keeps its points in single precision: cylinders are 3e-7 of them too long.
         for i, limb in enumerate(limbs):
-            end = (limb.length / elements, 0.0, 0.0)
-            for name in bodies[i][1:-1]:
-                model.body(name).pos = end
+            h, r = limb.length / elements, limb.rod.diameter / 2
+            end, mass = (h, 0.0, 0.0), limb.line_density * h
+            across = mass * (3 * r**2 + h**2) / 12
+            for name in (f"R{i}_B_first", *bodies[i][1:-1]):
+                body = model.body(name)
+                if name != f"R{i}_B_first":
+                    body.pos = end
+                body.mass, body.inertia = mass, (across, across, mass * r**2 / 2)
+                body.ipos = (h / 2, 0.0, 0.0)
+                (cylinder,) = range(body.geomadr[0], body.geomadr[0] + body.geomnum[0])
+                model.geom(cylinder).size = (r, h / 2, 0.0)
+                model.geom(cylinder).pos = body.ipos
             model.site(f"R{i}_S_last").pos = end
 
-    return Rods(inside, none, [0.0] * len(limbs), rest, bodies, place)
+    return Rods(inside, none, [0.0] * len(limbs), rest, bodies, exact)

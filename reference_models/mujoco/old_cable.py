@@ -41,7 +41,6 @@ class MujocoComposite:
             else f"MuJoCo {environment.VERSION} needs an environment of its "
             "own; python -m reference_models.mujoco.environment makes it",
             torsion=composite.TORSION,
-            precision=1e-7,  # as mujoco-cable
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:

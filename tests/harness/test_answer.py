@@ -2,7 +2,7 @@
 
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,8 @@ WRONG = {
     "no-info": r"its info\(\) raises RuntimeError: its licence has run out",
     "unimportable": "it cannot be imported",
 }
+SOME = ("kilohertz", "percent", "crashes", "few")
+UNUSABLE = ("no-elements", "no-info", "unimportable")
 SITE = Path(__file__).parents[1] / "plugin"
 
 
@@ -76,6 +78,7 @@ COMMANDS = [
     ("table", "--references", ALL),
     ("refine", "--references", ALL),
     ("reproduce", "--only", "table", "--references", ALL, "--output", "out"),
+    ("sweep", "--poses", "pose:490,10,-12", "--models", ALL, "--tries", "1", "--output", "out"),
 ]
 
 
@@ -89,7 +92,20 @@ def test_wrong_models(
     command: tuple[str, ...],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    answer = rps_bench(*command, "--cases", "case2")
+    cases = () if command[0] == "sweep" else ("--cases", "case2")
+    answer = rps_bench(*command, *cases)
+    if command[0] == "sweep":
+        # What cannot run at all is bad input; without it, one sentence each.
+        assert answer.status == 2 and "cannot run here" in answer.err
+        some = [f"x-{name}" for name in WRONG if name not in UNUSABLE]
+        answer = rps_bench(*command[:4], ",".join(["x-honest", *some]), *command[5:])
+        lines = (tmp_path / "out" / "failures.csv").read_text().splitlines()[1:]
+        assert answer.status == 1 and "Traceback" not in answer.err
+        for name in (name for name in WRONG if name not in UNUSABLE):
+            found = [line for line in lines if line.startswith(f"x-{name}@")]
+            assert len(found) == 1 and re.search(WRONG[name], found[0]), (name, lines)
+        assert not any(line.startswith("x-honest") for line in lines)
+        return
     assert answer.status == 1
     says = dict(WRONG)
     if command[0] == "refine":
@@ -177,3 +193,32 @@ def test_a_limb_that_twists_alone_is_a_mode_only_where_it_can() -> None:
     low = spoilt(spoilt(modes, "limbs", 0, 0.0), "platform", 0, 0.0)
     with pytest.raises(ModelError, match="mode 1 moves nothing"):
         checked(low, info, case.mechanism, case.pose, 14)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("command", "names"), [("check", WRONG), ("accept", SOME)])
+def test_wrong_models_do_not_pass_the_gate(
+    rps_bench: Callable[..., Any],
+    site: None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    command: str,
+    names: Iterable[str],
+) -> None:
+    """One sentence each; nothing of them is accepted, and nothing compared is no pass."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "one.toml").write_text(
+        "[cases.one]\nz_mm = 490\nazimuth_deg = 10\ntilt_deg = -12\n"
+    )
+    models = ",".join(f"x-{name}" for name in ("honest", *names))
+    base = ("--baseline", "none") if command == "check" else ("--baseline", "b", "--reason", "so")
+    answer = rps_bench(command, "--case-file", "one.toml", "--models", models, *base)
+    assert answer.status == 1 and "Traceback" not in answer.err
+    assert "passed" not in answer.out and not (tmp_path / "b").exists()
+    if command == "accept":
+        assert re.search(
+            r"nothing accepted: \d+ x (failure|failure and property), which", answer.err
+        )
+    said = " ".join(answer.out.split())
+    for name in names:
+        assert f"x-{name}" in said, name

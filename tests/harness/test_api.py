@@ -65,6 +65,23 @@ def test_what_cannot_be_read_names_its_argument() -> None:
         harness.stud  # noqa: B018
 
 
+def test_wrong_types_get_one_sentence(robot: Mechanism, case2: Pose) -> None:
+    from reference_models import reference
+
+    case = Case("mine", robot, case2, "tried")
+    for call, says in (
+        (lambda: study("table", cases=robot), "cases = Mechanism.*expected a Case"),
+        (lambda: study("table", references=3), "models = 3: expected a model"),
+        (lambda: harness.run(case2, Named("rayleigh", 3)), "cases = Pose.*expected a Case"),
+        (lambda: harness.run(case, "rayleigh@3"), "models = 'rayleigh@3': expected a model"),
+        (lambda: Substructure().frequencies(robot, 0.49), "pose = 0.49: expected a Pose"),
+        (lambda: reference("exudyn-cable", 4).modes(robot, 0.49), "pose = 0.49: expected a Pose"),
+        (lambda: reference("mujoco-cable", 4).modes(case2, robot), "mechanism = Pose"),
+    ):
+        with pytest.raises(InputError, match=says):
+            call()
+
+
 def test_nothing_is_loaded_before_it_is_asked_for() -> None:
     code = (
         "import harness, sys; print([m for m in ('numpy', 'pandas', 'click') if m in sys.modules])"

@@ -208,3 +208,25 @@ def test_a_cases_name_reaches_the_terminal_escaped(
     file.write_text('[cases."\\u001b[31mred"]\nz_mm = 490\n')
     answer = rps_bench("table", "--case-file", str(file), "--references", "rayleigh@exact")
     assert "\x1b" not in answer.out + answer.err
+
+
+def test_what_is_shown_nowhere_is_written_all_the_same(tmp_path: Path) -> None:
+    """A closed or full standard output, and letters that the terminal does not have."""
+    (tmp_path / "mine.toml").write_text(
+        '[cases."=größe"]\nz_mm = 490\n', encoding="utf-8"
+    )  # fmt: skip
+    asked = "table --case-file mine.toml --references rayleigh@exact --output"
+    plain = os.environ | {"PYTHONPATH": str(START), "LC_ALL": "C", "PYTHONUTF8": "0"}
+    for name, how, status in (("closed", ">&-", 0), ("full", ">/dev/full", 1), ("c", "| cat", 0)):
+        ended = subprocess.run(
+            ["bash", "-o", "pipefail", "-c",
+             f"{sys.executable} -P -c '{PROGRAM[-1]}' {asked} {name} {how}"],
+            capture_output=True, text=True, cwd=tmp_path,
+            env=plain | {"PYTHONCOERCECLOCALE": "0"},
+        )  # fmt: skip
+        said = "rps-bench: cannot show more: the standard output takes nothing (No space left on"
+        assert ended.returncode == status, ended.stderr
+        assert ended.stderr.startswith(said) if name == "full" else ended.stderr == ""
+        for file in ("table1.csv", "table1-data.csv"):
+            text = (tmp_path / name / file).read_text(encoding="utf-8")
+            assert "'=größe" in text and not re.search("^=|,=", text, re.MULTILINE)

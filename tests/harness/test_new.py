@@ -42,6 +42,9 @@ def test_a_paper(rps_bench: Callable[..., Any], here: Path) -> None:
     )
     claims = rps_bench("claims", "--case-file", "other")
     assert claims.status == 0 and "2 statements" in claims.out, claims.err
+    found = rps_bench("identify", "--case-file", "other", "--method", "Theory", "--parameters",
+                      "z_mm", "--references", "rayleigh@3", "--starts", "2")  # fmt: skip
+    assert found.status == 0 and "450.0" in found.out, found.err
 
 
 def test_a_study(rps_bench: Callable[..., Any], here: Path) -> None:

@@ -16,6 +16,9 @@ MODELS = {
     "exudyn-beam": (6, 1e-9),
     "mujoco-cable": (4, 1e-7),
     "mujoco-chain": (6, 1e-9),
+    "mujoco-composite": (8, 1e-9),  # its own compiler rounds to single precision
+    "ngsolve-solid": (1, 1e-9),
+    "solid-limb": (2, 1e-9),
     "ngsolve-averaged": (1, 1e-9),
     "exudyn-ffrf": (1, 1e-9),
     "calculix-solid": (2, 2e-6),  # seven digits printed

@@ -35,8 +35,9 @@ def run(request: Request, bench: Bench) -> "Identification":
     from harness.studies.identification.table import published_table, read_table
 
     given = request.options
-    ours = given["table"] == "published"
-    if ours:
+    printed = given["table"] == "published"
+    ours = printed and all(case.published for case in request.cases)
+    if printed:
         table = published_table(given["method"] or "Theoretical", request.cases)
     else:
         table = read_table(Path(given["table"]), given["method"], request.cases)

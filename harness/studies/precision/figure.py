@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 NAMED = 3.0
 """Factor in error from one named way to the next."""
+ROOM = 400.0
+"""Factor in time that the longest name takes."""
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
@@ -63,8 +65,9 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
                 continue
             said = errors[k]
             axes.annotate(
-                label(point.model), (times[k], errors[k]), xytext=(5, -9 if many else 5),
-                textcoords="offset points", fontsize=7, color=colour,
+                label(point.model), (times[k], errors[k]), xytext=(-6, -9) if many else (5, 5),
+                ha="right" if many else "left", textcoords="offset points", fontsize=7,
+                color=colour,
             )  # fmt: skip
     unsure = result.known_to(kind, modes)
     if unsure:
@@ -72,6 +75,9 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         axes.text(0.99, 0.01, f"grey band: the truth is known to {percent(unsure)}", fontsize=7,
                   ha="right", va="bottom", transform=axes.transAxes)  # fmt: skip
     axes.set(xscale="log", yscale="log")
+    # Room for names: those of many poses stand left of their points, the others right.
+    left, right = axes.get_xlim()
+    axes.set_xlim(left / ROOM, right * ROOM**0.5)
     if unsure:
         axes.set_ylim(bottom=unsure / 3)
     axes.grid(alpha=0.25)

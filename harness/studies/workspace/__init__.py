@@ -1,6 +1,8 @@
 """The regular workspace and the frequencies in it: Fig. 6, and the paper's statements on it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from sys import float_info
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +14,7 @@ from analytic.workspace import heights
 from harness.bench import Bench, label
 from harness.causes import exact_chain
 from harness.plan import Plan
-from harness.request import Option, Request
+from harness.request import Option, Request, real
 from harness.result import Result
 from harness.studies.workspace.checks import (
     height_table,
@@ -24,38 +26,12 @@ from harness.studies.workspace.map import Grid, Region, WorkspaceMap, workspace_
 from harness.tables import Table
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 BATCHED, ONE_BY_ONE = (72, 15), (12, 4)
 """Azimuths and tilts of models that take all poses at once, and of those that take one."""
 LAYERS, MOST_LAYERS = 6, 50
 MOST_POSES = 200_000
-ANGLE = "degrees above 0 and at most 180"
-
-
-def _number(argument: str, text: str, expected: str, least: float = -np.inf) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(argument, text, expected) from None
-    if not np.isfinite(value) or value < least:
-        raise InputError(argument, text, expected)
-    return value
-
-
-def _length(argument: str) -> Any:
-    return lambda text: _number(argument, text, "millimetres from 0", 0.0) / 1000
-
-
-def _angle(argument: str) -> Any:
-    def parse(text: str) -> float:
-        value = _number(argument, text, ANGLE, 0.0)
-        if not 0 < value <= 180:
-            raise InputError(argument, text, ANGLE)
-        return float(np.radians(value))
-
-    return parse
 
 
 def _grid(text: str) -> tuple[int, int]:
@@ -73,10 +49,22 @@ def _grid(text: str) -> tuple[int, int]:
 
 def _layers(text: str) -> NDArray[np.float64]:
     expected = f"up to {MOST_LAYERS} heights z in millimetres, by commas"
-    values = sorted({_number("layers", part, expected) for part in text.split(",")})
+    height = real("layers", expected)
+    values = sorted({height(part) for part in text.split(",")})
     if len(values) > MOST_LAYERS:
         raise InputError("layers", text, expected)
     return np.array(values) / 1000
+
+
+def _length(name: str, text: str, default: str) -> Option:
+    parse = real(name, "millimetres from 0", 0.0)
+    return Option(name, "L", text, default, lambda given: parse(given) / 1000)
+
+
+def _angle(name: str, text: str) -> Option:
+    parse = real(name, "degrees above 0 and at most 180", float_info.min, 180.0)
+    said = f"Largest angle of a limb from {text}; default 45 (none is printed)."
+    return Option(name, "ANGLE", said, "45", lambda given: float(np.radians(parse(given))))
 
 
 OUTPUT = "workspace"
@@ -85,15 +73,11 @@ DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
 OPTIONS = (
     Option("layers", "Z,Z", "Heights z [mm]; default six over the cone.", None, _layers),
     Option("grid", "AxT", "Azimuths x tilts; default 72x15, or 12x4 for a simulator.", None, _grid),
-    Option("length_min_mm", "L", "Shortest limb; default 200.", "200", _length("length_min_mm")),
-    Option("length_max_mm", "L", "Longest limb; default 1000.", "1000", _length("length_max_mm")),
-    Option("spherical_max_deg", "ANGLE",
-           "Largest angle of a limb from the platform's normal; default 45 (none is printed).",
-           "45", _angle("spherical_max_deg")),
-    Option("revolute_max_deg", "ANGLE",
-           "Largest angle of a limb from the vertical; default 45 (none is printed).",
-           "45", _angle("revolute_max_deg")),
-)  # fmt: skip
+    _length("length_min_mm", "Shortest limb; default 200.", "200"),
+    _length("length_max_mm", "Longest limb; default 1000.", "1000"),
+    _angle("spherical_max_deg", "the platform's normal"),
+    _angle("revolute_max_deg", "the vertical"),
+)
 
 
 @dataclass(frozen=True)
@@ -108,21 +92,9 @@ class Workspace(Result):
     fine: WorkspaceMap
     shown: tuple[int, ...]
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a pose and mode: z, azimuth, tilt, whether it is at the rim, frequency."""
-        import pandas as pd
-
-        data, grid = self.map, self.map.grid
-        where = np.argwhere(np.isfinite(data.frequencies[..., 0]))
-        i, k, j = (where[:, axis] for axis in range(3))
-        return pd.concat([
-            pd.DataFrame({
-                "model": label(data.model), "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
-                "tilt_rad": grid.tilt[i, j], "rim": j == grid.rim[i], "mode": mode,
-                "frequency_hz": data.frequencies[i, k, j, mode - 1],
-            })
-            for mode in self.shown
-        ], ignore_index=True)  # fmt: skip
+        return (row for row in self.map.records() if row["mode"] in self.shown)
 
     def tables(self) -> dict[str, Table]:
         """Return the layers, the azimuthal symmetry and the change with height."""
@@ -134,16 +106,7 @@ class Workspace(Result):
 
     def figures(self) -> dict[str, "Figure"]:
         """Return the region, contours, surfaces and ripple; none where nothing was solved."""
-        if not np.isfinite(self.map.frequencies).any():
-            return {}
-        from harness.studies.workspace import figures
-
-        return {
-            "-contours": figures.contour_figure(self.map, self.shown),
-            "-surfaces": figures.surface_figure(self.map, self.shown),
-            "-region": figures.region_figure(self.map.region, self.map.grid),
-            "-ripple": figures.ripple_figure(self.map, self.shown),
-        }
+        return self.map.pictures(self.shown)
 
     def sentences(self) -> list[str]:
         """Return the region and the paper's two statements in plain sentences."""

@@ -24,6 +24,7 @@ class Wrong:
     ask: Ask = lambda mechanism, pose: (mechanism, pose)
     after: Callable[[Modes], Modes] = lambda modes: modes
     factor: Callable[[Mechanism, Pose], float] = lambda mechanism, pose: 1.0
+    twists: bool | None = None
 
     @property
     def _asked(self) -> Named:
@@ -43,7 +44,8 @@ class Wrong:
 
     def info(self) -> Info:
         """In this process: what is planted cannot be handed to another."""
-        return replace(self._asked.info(), isolated=False)
+        info = replace(self._asked.info(), isolated=False)
+        return info if self.twists is None else replace(info, torsion=self.twists)
 
     def limit(self) -> Named | None:
         return self._asked.limit()

@@ -15,7 +15,8 @@ from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history
 from harness.plan import Plan
-from harness.report.page import page_files
+from harness.report.page import FILE, FORMAT, VERSION, page_files
+from harness.studies import STUDIES
 from reference_models import Named
 
 OPTIONS = ("--models", "rayleigh,multipliers", "--baseline", "base", "--history", "past")
@@ -129,9 +130,33 @@ def test_what_is_shown_comes_from_the_last_run(
     assert refused.status == 2
     assert f"({SHOWN[0]}: No such file or directory)" in refused.err
     (latest / SHOWN[0]).write_text(SHOWN[0])
+    studies = [one.name for one in STUDIES if getattr(one.load(), "jobs", STUDIES) is not None]
+    page = {
+        "format": FORMAT, "version": VERSION,
+        "command": "rps-bench reproduce --case-file mine.toml",
+        "references": [], "made": studies[1:],
+    }  # fmt: skip
+    for change, why in (
+        ({}, "made by rps-bench reproduce --case-file mine.toml"),
+        ({"command": "rps-bench reproduce"}, f"made without the studies {studies[0]}"),
+    ):
+        page |= change
+        (latest / FILE).write_text(json.dumps(page))
+        refused = rps_bench(*asked, "--models", "multipliers")
+        assert refused.status == 2 and refused.err.count("\n") == 1
+        assert "--latest = 'latest': expected what the main job wrote, none, or a --reason" in (
+            refused.err
+        )
+        assert f"({why})" in refused.err
+        assert not (tmp_path / "base").exists(), "before anything is solved"
+    (latest / FILE).write_text(json.dumps(page | {"made": studies}))
     assert rps_bench(*asked, "--models", "multipliers").status == 0
     written = {path.name: path.read_text() for path in Path("results/accepted").iterdir()}
     assert written == {name: name for name in SHOWN}
+    with (tmp_path / "base" / "models.csv").open("a") as file:
+        file.write("exudyn-cable@4,Euler-Bernoulli,exudyn 1\n")
+    refused = rps_bench(*asked, "--models", "multipliers")
+    assert refused.status == 2 and "(made without the models exudyn-cable)" in refused.err
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,15 @@ def test_small_steps_do_not_add_up() -> None:
     assert moved.figures.modes[KEY].frequency == 100.0 * (1 + 5e-8)
 
 
+@pytest.mark.parametrize("drift", [1e-10, 8e-10, 5e-9])
+def test_what_is_accepted_is_met_by_what_was_measured(drift: float) -> None:
+    """A value is kept, and its tolerance not tightened below the distance to the new one."""
+    now = figures(100.0 * (1 + drift))
+    quieter = accept(baseline(), now, everywhere(1e-11), ABOUT, "")
+    assert quieter.figures.modes[KEY].frequency == 100.0
+    assert drift < quieter.allowed(KEY) <= baseline().allowed(KEY)
+
+
 def test_widening_takes_a_reason_which_stays() -> None:
     wide = accept(baseline(), figures(), everywhere(1e-7), ABOUT, "prints fewer digits")
     assert wide.allowed(KEY) == FACTOR * 1e-7

@@ -316,7 +316,7 @@ def test_a_query_only_reads_the_rows(tmp_path: Path, sql: str) -> None:
         ("SELECT INTERVAL 2 DAY AS v", "2 days"),
         ("SELECT [INTERVAL 2 DAY] AS v", "[2 days]"),
         ("SELECT max(time) AS v FROM rows", datetime(2026, 1, 3)),
-        ("SELECT TIMESTAMPTZ '2026-01-01 01:00+01' AS v", datetime(2026, 1, 1)),
+        ("SELECT TIMESTAMPTZ '2026-01-01 01:00:00+01' AS v", datetime(2026, 1, 1)),
         ('SELECT count(*) AS "a ""v""" FROM rows;', 6),
     ],
 )

@@ -4,10 +4,12 @@ import pickle
 import re
 import sqlite3
 import subprocess
+import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,9 +19,13 @@ import pytest
 from analytic import Continuum, Mechanism, Modes, Pose, Substructure
 from analytic.model import Info
 from harness.history.duck import connect
+from harness.history.provenance import provenance
 from harness.history.store import open_history
+from harness.output import OutputError
 from harness.rows import mechanism_hash
+from harness.sweep import jobs as jobs_module
 from harness.sweep import pose_set, solve
+from harness.sweep import rows as rows_module
 from harness.sweep.jobs import BATCH
 from reference_models import Named
 
@@ -277,3 +283,73 @@ def test_memory_does_not_grow_with_the_poses(
         used.append(1024 * int(out.split()[-1]))
     rows = 6 * 100_000 * (8 * 5 + 8)  # what the additional rows alone would take
     assert used[1] - used[0] < 24e6 < rows
+
+
+def test_a_history_that_was_not_written_is_written_by_the_next_run(
+    rps_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After the last job the history's disk is full: once there is room it has all rows, once."""
+    given = ("sweep", "--models", "rayleigh@2", "--poses", "random:9:1", "--modes", "1-2")
+    given += ("--output", str(tmp_path / "out"), "--history", str(tmp_path / "past"))
+
+    def full(*_: Any) -> None:
+        raise OutputError("history: cannot write there (No space left on device)")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(rows_module, "append_table", full)
+        assert rps_bench(*given).status == 2
+    for _ in range(2):
+        assert rps_bench(*given).status == 0
+        found = open_history(tmp_path / "past").query("SELECT run, mode FROM rows").rows()
+        assert len(found) == 9 * 2 and len({row["run"] for row in found}) == 1
+
+
+def test_rows_of_the_history_say_what_made_them(
+    rps_bench: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not what resumed the sweep: half of the blocks are of another machine."""
+    given = ("sweep", "--models", "rayleigh@2", "--modes", "1", "--output", str(tmp_path / "out"))
+    here = provenance()
+    with monkeypatch.context() as patched:
+        patched.setattr(jobs_module, "provenance", lambda: here | {"commit": "old", "machine": "b"})
+        assert rps_bench(*given, "--poses", f"random:{BATCH}:1").status == 0
+    more = ("--poses", f"random:{BATCH + 7}:1", "--history", str(tmp_path / "past"))
+    assert rps_bench(*given, *more).status == 0
+    asked = "SELECT machine, any_value(commit) AS c, count(*) AS n FROM rows GROUP BY 1 ORDER BY n"
+    new, old = open_history(tmp_path / "past").query(asked).rows()
+    assert (old["machine"], old["c"], old["n"]) == ("b", "old", BATCH)
+    assert (new["machine"], new["c"], new["n"]) == (here["machine"], here["commit"], 7)
+
+
+def test_files_of_an_earlier_sweep_do_not_stay(
+    rps_bench: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Without --against, in another form: what is there is of this sweep, or is not a sweep's."""
+    given = ("sweep", "--models", "rayleigh@2", "--output", str(tmp_path))
+    (tmp_path / "notes.csv").write_text("mine")
+    first = rps_bench(*given, "--poses", "random:9:1", "--against", "euler-bernoulli@2")
+    assert first.status == 0 and (tmp_path / "error-map.parquet").exists()
+    assert rps_bench(*given, "--poses", "random:5:2", "--format", "csv").status == 0
+    left = {path.name for path in tmp_path.iterdir()} - {"journal.sqlite"}
+    tables = {f"{stem}.{end}" for stem in ("timing", "failures") for end in ("csv", "md", "tex")}
+    assert left == {"notes.csv", "frequencies.csv", *tables}
+
+
+def test_a_patched_model_is_solved_anew(
+    tmp_path: Path, robot: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The key of a job holds the source of the model, and of what checks its answers."""
+    file = tmp_path / "patched.py"
+    file.write_text("")
+    module = ModuleType("patched")
+    module.__file__ = str(file)
+    monkeypatch.setitem(sys.modules, "patched", module)
+    monkeypatch.setattr(Wrong, "__module__", "patched")
+    keys = set()
+    for text in ("", "factor = 1.05", "factor = 1.05"):
+        file.write_text(text)
+        jobs_module._programs.clear()
+        (job,) = jobs_module.jobs(Wrong("nothing"), robot, pose_set("random:5:1", robot), 4)
+        keys.add(job.key)
+    jobs_module._programs.clear()
+    assert len(keys) == 2

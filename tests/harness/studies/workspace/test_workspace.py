@@ -141,6 +141,18 @@ def test_the_map_is_the_model(solved: WorkspaceMap, robot: Mechanism) -> None:
     assert np.isnan(solved.frequencies[0, :, 4]).all()
 
 
+def test_a_map_is_a_frame_and_pictures(solved: WorkspaceMap) -> None:
+    """One row a mode and pose of every azimuth, level poses too; contours first."""
+    frame = solved.to_frame()
+    assert list(frame) == ["model", "z_m", "azimuth_rad", "tilt_rad", "rim", "mode", "frequency_hz"]
+    assert len(frame) == np.isfinite(solved.frequencies).sum()
+    level = frame[(frame["tilt_rad"] == 0) & (frame["mode"] == 1) & (frame["z_m"] == 0.5)]
+    assert set(level["frequency_hz"]) == {solved.frequencies[1, 0, 0, 0]} and len(level) == 24
+    figure = solved.plot()
+    assert figure is not None and "every panel has its own scale" in figure.get_suptitle()
+    assert "circle [deg]" in solved._repr_html_()
+
+
 def test_any_elements_and_theory(robot: Mechanism, bench: Bench) -> None:
     poses = Pose(np.array([0.4, 0.6]), 0.3, 0.2)
     found = solve(Named("rayleigh", 2), robot, poses, 4, bench).frequencies
