@@ -29,7 +29,7 @@ def warn_of(mechanism: Mechanism, pose: Pose | None = None) -> None:
 
 def unlikely(mechanism: Mechanism, pose: Pose | None = None) -> list[str]:
     """Return what is unlikely in SI units, one sentence a value."""
-    rods = dict.fromkeys(limb.rod for limb in mechanism.limbs)
+    rods = dict.fromkeys(rod for limb in mechanism.limbs for rod in limb.rods)
     said = [_material(steel) for steel in dict.fromkeys(rod.material for rod in rods)]
     size = float(np.abs(mechanism.bases).max() + np.abs(mechanism.platform_points).max())
     if pose is not None and size > 0:
@@ -49,9 +49,10 @@ def _material(steel: Material) -> str:
 
 
 def _rod(rod: Rod, size: float) -> str:
-    if rod.diameter >= THIN * size:
+    diameter = rod.section.diameter
+    if diameter is None or diameter >= THIN * size:
         return ""
     return (
-        f"Rod.diameter = {rod.diameter:g}: less than a thousandth of the mechanism's {size:.2g} m; "
+        f"Rod.diameter = {diameter:g}: less than a thousandth of the mechanism's {size:.2g} m; "
         "is it in metres?"
     )
