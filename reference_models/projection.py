@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from analytic.modes import check_count
 from reference_models.protocol import hertz
+from reference_models.spent import phase
 
 Array = NDArray[np.float64]
 RANK = 1e-9
@@ -29,11 +30,13 @@ def constrained_modes(
     K's entries are known to `rounding`, relative. Raises `InputError` for more modes than
     coordinates left free, and `ModelError` naming the `model` where an omega^2 is below zero.
     """
-    free = null_space(J)
-    check_count(count, free.shape[1])
-    reduced = (free.T @ (A @ free) for A in (K, M))
-    K_free, M_free = ((A + A.T) / 2 for A in reduced)
-    values, x, noise = _lowest(K_free, M_free, count, rounding)
+    with phase("projection"):
+        free = null_space(J)
+        check_count(count, free.shape[1])
+        reduced = (free.T @ (A @ free) for A in (K, M))
+        K_free, M_free = ((A + A.T) / 2 for A in reduced)
+    with phase("eigen-solution"):
+        values, x, noise = _lowest(K_free, M_free, count, rounding)
     return hertz(model, values, noise), free @ x, free.shape[1]
 
 

@@ -47,6 +47,8 @@ DEFAULTS = {"references": "all", "elements": "1,2,4,8,16,32,64", "cases": "case2
 OPTIONS = (
     Option("repeats", "N", "How often everything is timed; default 7.", "7",
            lambda text: whole_number("repeats", text, 1000)),
+    Option("poses-a-core", "N", "Poses a core where all cores work; default 100000.", "100000",
+           lambda text: whole_number("poses-a-core", text, MOST_POSES)),
     Option("batches", "N,N", "Poses a call; default 1,10,100,1000,10000,100000.",
            "1,10,100,1000,10000,100000", _batches),
 )  # fmt: skip
@@ -72,6 +74,8 @@ class Cost(Result):
     timings: Timings
     batches: tuple[Timed, ...]
     stand_in: Timed | None
+    ratios_: tuple[Ratio, ...] = ()
+    throughput: tuple[Throughput, ...] = ()
 
     @property
     def elements(self) -> tuple[Timed, ...]:
@@ -132,6 +136,9 @@ class Cost(Result):
             "-growth": self._growth_table(),
             "-work": work_table(self.steps, len(self.case.mechanism.limbs)),
             "-batches": self._batches_table(),
+            "-ratios": ratios_table(self.ratios_),
+            "-simulators": simulators_table(self.elements),
+            "-cores": cores_table(self.throughput),
         }
         return found | ({"-claims": self._claims_table()} if self.case.published else {})
 
