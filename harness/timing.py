@@ -107,7 +107,7 @@ def _moved(pose: Pose, shift: float) -> Pose:
 
 @dataclass(frozen=True)
 class Spent:
-    """What a call took at a place [s], what it answered, and seconds by `reference_models.spent`."""
+    """What a call took at a place [s] and answered, and seconds by `reference_models.spent`."""
 
     seconds: float
     answers: tuple[Any, ...]

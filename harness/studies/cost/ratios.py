@@ -7,7 +7,7 @@ the machine does falls on both alike.
 import gc
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from analytic import Continuum, Mechanism, Multipliers, Pose, Substructure, limbs_at
 from analytic.beam import element_matrices
+from analytic.chains import turning
 from analytic.condensed import condensed_frequencies
 from analytic.kernel import compiled
 from analytic.substructure import platform_mass, rigid_arm
-from analytic.chains import turning
 from analytic.theory import Theory
 from analytic.waves import sections
 from harness.cases import Case
@@ -80,51 +80,51 @@ def ratios(case: Case, rounds: int, poses: int) -> tuple[Ratio, ...]:
     """Return every ratio, in `rounds` rounds; `poses` a call of those that take many."""
     mechanism, pose = case.mechanism, case.pose
     at = [Pose(pose.z + SHIFT * k, pose.azimuth, pose.tilt) for k in range(CALLS)]
-    eigh = scipy.linalg.eigh
     asked: list[tuple[str, str, Call, Call, int]] = []
 
     def one(what: str, against: str, own: Callable[[Pose], Any], yard: Call) -> None:
         asked.append((what, against, lambda: [own(p) for p in at], lambda: [yard() for _ in at],
                       CALLS))  # fmt: skip
 
-    pairs = {s: plain_pair(mechanism, pose, s) for s in SMALL}
     paper = Substructure(PAPER_ELEMENTS)
-    whole = partial(eigh, *pairs[PAPER_ELEMENTS])
+    whole = partial(scipy.linalg.eigh, *plain_pair(mechanism, pose, PAPER_ELEMENTS))
     floor = f"eigh of the s={PAPER_ELEMENTS} pair"
     one(f"modes of s={PAPER_ELEMENTS}", floor, partial(paper.modes, mechanism), whole)
     one(f"frequencies of s={PAPER_ELEMENTS}", floor, partial(paper.frequencies, mechanism), whole)
     for s in SMALL:
         plain = partial(_plain, mechanism, pose, s)
-        own = partial(Substructure(s).modes, mechanism)
-        one(f"modes of s={s}", "the same, assembled plainly, then eigh", own, plain)
+        what, against = f"modes of s={s}, assembly and all", "a plain dense assembly and eigh"
+        one(what, against, partial(Substructure(s).modes, mechanism), plain)
     for solver, alone in (("null-space", _null_space), ("saddle-point", _saddle_point)):
         rival = Multipliers(PAPER_ELEMENTS, solver=solver)
         K, M, C = (A.toarray() for A in rival.matrices(mechanism, pose))
         against = "its own dense solution by numpy and eigh"
         what = f"multipliers, {solver}, s={PAPER_ELEMENTS}"
         one(what, against, partial(rival.modes, mechanism), partial(alone, K, M, C))
-    chains = (("exact", None), (f"s={PAPER_ELEMENTS}", PAPER_ELEMENTS))
-    for name, s in chains:
-        own = partial(condensed_frequencies, mechanism, elements=s, fast=False)
-        one(f"condensed, {name}, one pose", floor, own, whole)
+    chains: list[tuple[str, int | None]] = [
+        *((f"s={s}", s) for s in (1, PAPER_ELEMENTS, LONG_CHAIN)), ("exact", None),
+    ]  # fmt: skip
+    for name, size in chains:
+        single = partial(_condensed, mechanism, size, fast=False)
+        one(f"condensed, {name}, one pose", floor, single, whole)
     one("exact modes, certified", floor, partial(Continuum().modes, mechanism), whole)
     many = poses_around(case, poses)
     A = np.random.default_rng(0).standard_normal((poses, 6, 6))
     small = partial(np.linalg.eigh, A + A.swapaxes(1, 2))
     for fast in (False, True) if compiled() else (False,):
-        for name, s in (("s=1", 1), *chains[1:], (f"s={LONG_CHAIN}", LONG_CHAIN), chains[0]):
+        for name, size in chains:
             what = f"condensed{', compiled' if fast else ''}, {name}, {poses} poses"
-            own = partial(condensed_frequencies, mechanism, many, s, fast=fast)
-            asked.append((what, "6x6 eigh, batched, a pose", own, small, poses))
+            batch = partial(_condensed, mechanism, size, many, fast=fast)
+            asked.append((what, "6x6 eigh, batched, a pose", batch, small, poses))
     return _timed(asked, rounds)
 
 
-def _timed(
-    asked: Sequence[tuple[str, str, Call, Call, int]], rounds: int
-) -> tuple[Ratio, ...]:
-    found = [Ratio(what, against, np.empty(rounds), np.empty(rounds)) for what, against, *_ in asked]
+def _timed(asked: Sequence[tuple[str, str, Call, Call, int]], rounds: int) -> tuple[Ratio, ...]:
+    empty = partial(np.empty, rounds)
+    found = [Ratio(what, against, empty(), empty()) for what, against, *_ in asked]
     for _, _, own, yard, _ in asked:
-        own(), yard(), own()  # loads, compiles and tabulates
+        for call in (own, yard, own):  # loads, compiles and tabulates
+            call()
     for k in range(rounds):
         for ratio, (_, _, own, yard, number) in zip(found, asked, strict=True):
             before, spent, after = (_seconds(call) for call in (yard, own, yard))
@@ -140,6 +140,10 @@ def _seconds(call: Call) -> float:
         return time.thread_time() - began
     finally:
         gc.enable()
+
+
+def _condensed(mechanism: Mechanism, s: int | None, poses: Pose, *, fast: bool) -> Any:
+    return condensed_frequencies(mechanism, poses, s, fast=fast)
 
 
 def _plain(mechanism: Mechanism, pose: Pose, s: int) -> Any:
