@@ -262,7 +262,7 @@ def measure(
     ways += [
         Way(replace(model, elements=s))
         for model in references
-        for s in (model.info().ladder[:1] if model.info().slow else steps)
+        for s in (_own_mesh(model) if model.info().slow else steps)
     ]
     whole = [Way(model) for model in references[:1] if isinstance(model.elements, tuple)]
     batch = [
@@ -286,7 +286,8 @@ def measure(
     many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
     stand_in = next((t for t in timings.timed if t.way in whole), None)
     plain = ratios(case, rounds, max(batches))
-    cores = throughput(case, loops, poses_a_core, COUNT, bench.limit)
+    cores, failed = throughput(case, loops, poses_a_core, COUNT, bench.limit)
+    timings = replace(timings, failures=timings.failures | failed)
     return Cost(case, theory, timings, many, stand_in, plain, tuple(cores))
 
 
@@ -312,6 +313,12 @@ def _loops() -> list[tuple[tuple[str, bool], ...]]:
     from analytic.kernel import compiled
 
     return [(), (("fast", True),)] if compiled() else [()]
+
+
+def _own_mesh(model: Named) -> Sequence[int]:
+    """Return the first of the meshes that a model is extrapolated from, as for what is slow."""
+    info = model.info()
+    return (info.refinements or info.ladder)[:1]
 
 
 def _rival(solver: str) -> str:

@@ -1,13 +1,13 @@
 """Many poses on many cores: frequencies a second, memory, and what larger maps would take."""
 
 import os
-import resource
-import sys
-import threading
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
+from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from harness.bench import label
 from harness.cases import Case
 from harness.tables import Cell, Number, Table
 from harness.timing import poses_around
-from harness.workers import LIMIT, Child
+from harness.workers import LIMIT, Children, Failure
 
 MAP, MANY_CORES = 1e9, 64
 """Poses of a large map, and cores of a machine that it is for."""
@@ -38,16 +38,27 @@ class Share:
         self.model.frequencies(self.mechanism, self.poses[:WARM], self.count)
         began = time.perf_counter()
         self.model.frequencies(self.mechanism, self.poses, self.count)
-        seconds = time.perf_counter() - began
-        unit = 1 if sys.platform == "darwin" else 1024
-        return seconds, unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+        return time.perf_counter() - began, _megabytes()
+
+
+def _megabytes() -> float:
+    """Return the most memory that this process had [MB]; NaN where the system does not say.
+
+    Not `ru_maxrss`: a new program inherits that of the process that started it.
+    """
+    try:
+        status = Path("/proc/self/status").read_text()
+    except OSError:
+        return float("nan")
+    return 1024 * int(status.split("VmHWM:")[1].split()[0]) / 1e6
 
 
 @dataclass(frozen=True)
 class Throughput:
     """What so many `cores` made of `poses` by a `model`.
 
-    Attributes: `seconds`, the longest that a process took; `megabytes`, the largest of one.
+    Attributes: `seconds`, the longest that a process took; `megabytes`, the largest of one; `load`,
+    processes that wanted a core at the time, those of others included.
     """
 
     model: Model
@@ -56,6 +67,7 @@ class Throughput:
     seconds: float
     megabytes: float
     count: int
+    load: float
 
     @property
     def rate(self) -> float:
@@ -65,59 +77,47 @@ class Throughput:
 
 def throughput(
     case: Case, models: Sequence[Model], poses: int, count: int, limit: float = LIMIT
-) -> list[Throughput]:
-    """Return what 1, 2, 4 ... and all cores make of as many `poses` a core."""
+) -> tuple[list[Throughput], dict[str, str]]:
+    """Return what 1, 2, 4 ... and all cores make of as many `poses` a core, and what failed."""
     here = os.cpu_count() or 1
     steps = sorted({*(2**k for k in range(here.bit_length()) if 2**k < here), here})
-    found = []
-    for model in models:
-        for cores in steps:
+    found: list[Throughput] = []
+    failures: dict[str, str] = {}
+    with closing(Children()) as children:
+        children.start(here)
+        for model, cores in product(models, steps):
             every = poses_around(case, poses * cores)
             edges = [poses * k for k in range(cores + 1)]
             shares = [Share(model, case.mechanism, every[a:b], count) for a, b in pairwise(edges)]
-            answers = _at_once(shares, limit)
-            seconds, memory = np.max(answers, axis=0)
-            found.append(Throughput(model, cores, poses * cores, seconds, memory, count))
-    return found
-
-
-def _at_once(shares: Sequence[Share], limit: float) -> list[tuple[float, float]]:
-    """Return the answers of all shares, each in a process of its own."""
-    answers: list[tuple[float, float]] = [(float("nan"), float("nan"))] * len(shares)
-    children = [Child() for _ in shares]
-
-    def solve(k: int) -> None:
-        found = children[k].solve(shares[k], limit)
-        if isinstance(found, tuple):
-            answers[k] = found
-
-    threads = [threading.Thread(target=solve, args=(k,)) for k in range(len(shares))]
-    try:
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-    finally:
-        for child in children:
-            child.close()
-    return answers
+            with ThreadPoolExecutor(cores) as threads:
+                answers = list(threads.map(lambda share: children.attempt(share, limit), shares))
+            bad = next((a for a in answers if isinstance(a, Failure)), None)
+            if bad is not None:
+                failures[f"{label(model)} on {cores} cores"] = bad.reason
+                continue
+            seconds, memory = np.max(np.array(answers), axis=0).tolist()
+            load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
+            found.append(Throughput(model, cores, poses * cores, seconds, memory, count, load))
+    return found, failures
 
 
 def cores_table(found: Sequence[Throughput]) -> Table:
     """Return frequencies a second against the count of cores, and what a large map would take."""
     rows: list[tuple[Cell, ...]] = []
     for one in found:
-        single = next(t for t in found if t.model == one.model and t.cores == 1)
+        single = next(t for t in found if t.model == one.model)
         seconds = MAP / (one.poses / one.seconds)
         rows.append((
-            label(one.model), one.cores, one.poses, Number(one.seconds, 2), round(one.rate),
-            Number(one.rate / single.rate, 2), round(one.megabytes), Number(seconds / 3600, 2),
+            label(one.model), one.cores, Number(one.load, 1), one.poses, Number(one.seconds, 2),
+            round(one.rate), Number(one.rate / single.rate, 2), Number(one.megabytes, 0),
+            Number(seconds / 3600, 2),
             Number(seconds * one.cores / MANY_CORES / 3600, 2),
         ))  # fmt: skip
-    columns = ("Model", "cores", "poses", "seconds", "frequencies a second", "one core = 1",
+    columns = ("Model", "cores", "load", "poses", "seconds", "frequencies a second", "one core = 1",
                "MB a process", "1e9 poses here [h]", f"on {MANY_CORES} such cores [h]")  # fmt: skip
     notes = (
         "a process a core, one BLAS thread each; no process keeps more than its own frequencies",
+        "load: processes that wanted a core, those of others included",
         f"1e9 poses: 8 bytes a frequency are {8 * found[0].count * MAP / 1e9:.0f} GB, written by "
         "parts in a sweep" if found else "not measured",
     )  # fmt: skip

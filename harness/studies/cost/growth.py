@@ -40,10 +40,11 @@ def growth(
             ]
             found.append((method, what, points))
     for name, method in FORMULATIONS.items():
-        work: list[tuple[object, float]] = [
-            (s, float(counted(name, s, limbs).flops)) for s in steps
-        ]
-        found.append((method, "counted operations", work))
+        for sparse in (False, True):
+            work: list[tuple[object, float]] = [
+                (s, float(counted(name, s, limbs, sparse=sparse).flops)) for s in steps
+            ]
+            found.append((method, f"operations, {'sparse' if sparse else 'dense'}", work))
     fits = (_fit(*one, least) for one in found)
     return [fit for fit in fits if fit is not None]
 
