@@ -19,6 +19,7 @@ from harness.request import Option, Request
 from harness.result import Result
 from harness.studies.cost.cores import Throughput, cores_table, throughput
 from harness.studies.cost.growth import growth_table
+from harness.studies.cost.peers import Peers, measured, peers_table
 from harness.studies.cost.ratios import Ratio, ratios, ratios_table
 from harness.studies.cost.simulators import simulators_table
 from harness.studies.cost.work import counted, work_table
@@ -61,7 +62,7 @@ class Cost(Result):
     """A whole run at `case`: `timings` of every model against s, and of `batches` of poses.
 
     Attributes: `stand_in`, what stands for the paper's finite elements; `plain`, our time in times
-    of plain dense solutions; `many`, many poses on many cores.
+    of plain dense solutions; `many`, many poses on many cores; `peers`, other programs.
     """
 
     case: Case
@@ -71,6 +72,7 @@ class Cost(Result):
     stand_in: Timed | None
     plain: tuple[Ratio, ...]
     many: tuple[Throughput, ...]
+    peers: Peers
 
     @property
     def elements(self) -> tuple[Timed, ...]:
@@ -114,6 +116,7 @@ class Cost(Result):
             "-ratios": ratios_table(self.plain),
             "-simulators": simulators_table(self.elements),
             "-cores": cores_table(self.many),
+            "-peers": peers_table(self.peers),
         }
         return found | ({"-claims": self._claims_table()} if self.case.published else {})
 
@@ -286,9 +289,10 @@ def measure(
     many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
     stand_in = next((t for t in timings.timed if t.way in whole), None)
     plain = ratios(case, rounds, max(batches))
+    others = measured(case, COUNT, rounds)
     cores, failed = throughput(case, loops, poses_a_core, COUNT, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
-    return Cost(case, theory, timings, many, stand_in, plain, tuple(cores))
+    return Cost(case, theory, timings, many, stand_in, plain, tuple(cores), others)
 
 
 def run(request: Request, bench: Bench) -> Cost:

@@ -86,7 +86,7 @@ def test_what_users_meet(cost: Cost) -> None:
     frame = cost.to_frame()
     assert {"method", "elements", "seconds_a_pose", "build_s", "solve_s", "dofs"} <= set(frame)
     endings = ["-elements", "-growth", "-work", "-batches", "-ratios", "-simulators", "-cores",
-               "-claims"]  # fmt: skip
+               "-peers", "-claims"]  # fmt: skip
     assert list(cost.tables()) == endings
     assert all(table.rows for table in cost.tables().values())
     assert cost.plot() is not None
