@@ -48,7 +48,7 @@ def solve_poses(
     below: NDArray[np.int64],
 ) -> None:
     """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`."""
-    N, K, terms = powers.shape
+    terms, N, K = powers.shape
     m = start.shape[1]
     p = m - 6
     count = found.shape[1]
@@ -71,7 +71,7 @@ def solve_poses(
             limit = min(limit, caps[n, k])
             scale[k] = 2.0 / caps[n, k]
             for j in range(terms):
-                power[j, k] = powers[n, k, j]
+                power[j, k] = powers[j, n, k]
         for q in range(p):
             end = min(end, poles[n, q])
         end = min(end, limit)

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 MATRICES = 10_000
+PLAINLY = (("fast", False),)
+"""What keeps many poses from the compiled loop."""
 MOST_POSES = 1_000_000
 
 
@@ -290,7 +292,8 @@ def measure(
     stand_in = next((t for t in timings.timed if t.way in whole), None)
     plain = ratios(case, rounds, max(batches))
     others = measured(case, COUNT, rounds)
-    cores, failed = throughput(case, loops, poses_a_core, COUNT, bench.limit)
+    plainly = [loop if loop.settings else replace(loop, settings=PLAINLY) for loop in loops]
+    cores, failed = throughput(case, plainly, poses_a_core, COUNT, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
     return Cost(case, theory, timings, many, stand_in, plain, tuple(cores), others)
 
