@@ -65,12 +65,13 @@ def solve_poses(
     P, slope, scale = np.empty(K), np.empty(K), np.empty(K)
     power = np.empty((terms, K))
     for n in range(N):
-        # The chord of P, with the powers turned so that a step of Horner's is one run of memory.
+        # The chord of P, with this pose's powers side by side.
         limit, end = np.inf, np.inf
         for k in range(K):
             limit = min(limit, caps[n, k])
             scale[k] = 2.0 / caps[n, k]
-            for j in range(terms):
+        for j in range(terms):
+            for k in range(K):
                 power[j, k] = powers[j, n, k]
         for q in range(p):
             end = min(end, poles[n, q])

@@ -62,7 +62,9 @@ class LimbModes:
         T, poles = T[: len(self.table)].T, sum(self.kept)
         values = T @ self.table[:, : 2 * poles]
         smooth = self.table[:, 2 * poles :].reshape(-1, 3, DEGREE + 1).transpose(2, 0, 1)
-        return values[:, :poles], values[:, poles:], np.matmul(T, smooth)
+        # A table of one row is the same for all lengths.
+        powers = np.matmul(T, smooth) if len(self.table) > 1 else smooth.repeat(len(u), axis=1)
+        return values[:, :poles], values[:, poles:], powers
 
 
 def units(rod: Sections, lengths: Array) -> tuple[Array, Array]:

@@ -211,7 +211,11 @@ def reduced(
         if modes is None:
             return None
         x, c, P = modes.at(lengths[:, alike].ravel())
-        powers[:, :, alike] = P.reshape(-1, N, len(alike), 3)
+        P = P.reshape(-1, N, len(alike), 3)
+        if len(alike) == n:
+            powers = P * stiffness
+        else:
+            powers[:, :, alike] = P * stiffness[:, alike]
         caps[:, alike] = modes.caps
         direction = np.repeat(np.arange(3), modes.kept)
         unit = frequency2[:, alike][..., direction]
@@ -219,7 +223,6 @@ def reduced(
         own = c.reshape(unit.shape) * unit * stiffness[:, alike][..., direction]
         residues.append(own.reshape(N, -1))
         owner.append((3 * alike[:, None] + direction).ravel())
-    powers *= stiffness
     caps *= frequency2
     return Reduced(
         lengths,
