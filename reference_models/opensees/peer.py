@@ -57,10 +57,11 @@ def make() -> Path:
     program = _program()
     try:
         venv.create(program.parents[1], clear=True, with_pip=True)
-        subprocess.run([program, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
+        install = [program, "-m", "pip", "install", "--quiet", *PACKAGES]
+        subprocess.run(install, capture_output=True, text=True, check=True)
         (program.parents[1] / "complete").touch()
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise UnavailableError(f"OpenSees cannot be installed: {error}") from None
+    except (OSError, subprocess.SubprocessError) as error:
+        raise UnavailableError(f"OpenSees cannot be installed: {_reason(error)}") from None
     return program
 
 
@@ -95,7 +96,7 @@ def timed(
             )
             answer = json.loads(next(t for t in ran.stdout.splitlines() if t.startswith("{")))
         except (OSError, subprocess.SubprocessError, StopIteration, ValueError) as error:
-            raise ModelError(f"OpenSees: {error}") from None
+            raise ModelError(f"OpenSees: {_reason(error)}") from None
         parts = (np.array(answer[key][1:]) for key in ("build", "solve", "eigh"))
         label = f"OpenSees {answer['version']}, {name}"
         found.append(Peer(label, elements, np.array(answer["frequencies"]), *parts))
@@ -123,6 +124,12 @@ def problem_of(mechanism: Mechanism, pose: Pose) -> dict[str, object]:
             "polar": rod.polar_moment, "second": rod.second_moment, "rho": rod.material.density,
         })  # fmt: skip
     return {"mass": mechanism.platform.mass, "inertia": moments.tolist(), "limbs": limbs}
+
+
+def _reason(error: Exception) -> str:
+    """Return the last line that a failed program said, or the error itself."""
+    said = str(getattr(error, "stderr", None) or "").strip()
+    return said.splitlines()[-1] if said else str(error)
 
 
 def _program() -> Path:
