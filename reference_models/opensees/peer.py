@@ -57,7 +57,7 @@ def make() -> Path:
     program = _program()
     try:
         venv.create(program.parents[1], clear=True, with_pip=True)
-        install = [program, "-m", "pip", "install", "--quiet", *PACKAGES]
+        install = [str(program), "-m", "pip", "install", "--quiet", *PACKAGES]
         subprocess.run(install, capture_output=True, text=True, check=True)
         (program.parents[1] / "complete").touch()
     except (OSError, subprocess.SubprocessError) as error:
