@@ -28,10 +28,12 @@ if TYPE_CHECKING:
 
 Loop = Callable[..., Any]
 
-CHUNK = 500
+CHUNK = 350
 """Poses solved at once: what fits into the processor's cache."""
 CONVERGED = 1e-9
-"""Relative change of omega^2 at which the iteration ends; what is left is below 1e-11."""
+"""Estimated relative change of omega^2 at which the iteration ends."""
+MOST_STEPS = 5
+"""Newton's steps after which a pose is left to the roots by rank."""
 CLOSE = 1e-3
 """The last mode wanted stays this far, relative, below where the tables end."""
 BESIDE = 1e-8
@@ -256,47 +258,68 @@ def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDA
     return found, inside & _certain(problem, found, below if settled.all() else None)
 
 
-@np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def corrected(
     problem: Reduced, P: Floats, slope: Floats, start: Floats, motion: Floats, count: int
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Correct the lowest `start` values for the curvature of P; also say where that converged.
 
+    Two steps are enough for most poses, and are estimated to be; the others take more.
+    """
+    found, settled = _steps(problem, P, slope, start, motion, count, 2)
+    if not settled.all():
+        k = np.flatnonzero(~settled)
+        some = problem[k], P[k], slope[k], start[k], motion[k]
+        found[k], settled[k] = _steps(*some, count, MOST_STEPS)
+    return found, settled
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _steps(
+    problem: Reduced, P: Floats, slope: Floats, start: Floats, motion: Floats, count: int, most: int
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return what `corrected` does, in `most` steps of Newton's.
+
     In the basis of the start's vectors the matrix is diag(start) - lambda + V^T rho(lambda) V,
     with rho small: y_j = -(V^T rho V y)_j / (start_j - lambda), and lambda by Rayleigh's quotient.
     Repeated modes may divide zero by zero; they do not settle.
     """
-    lowest = start[:, :count]
-    limit = problem.limit[:, None]
+    lowest, limit, end = start[:, :count], problem.limit, problem.end[:, None]
     transposed = np.ascontiguousarray(motion.swapaxes(1, 2))
-    x, value = transposed[:, :count], lowest
+    x, value = np.ascontiguousarray(transposed[:, :count].swapaxes(0, 1)), lowest
     own = np.arange(count)
     gap = start[:, None, :] - lowest[..., None]
-    slower = np.zeros_like(lowest)
-    before: tuple[Floats, Floats] | None = None
-    for _ in range(4):
-        rho = (
-            problem.smooth(np.minimum(value, limit))
-            - P[:, None]
-            - slope[:, None] * value[..., None]
-        )
+    before: tuple[Floats, Floats, Floats] | None = None
+    for _ in range(most):
+        at = value.T
+        rho = problem.smooth(np.minimum(at, limit))
+        rho -= P
+        rho -= slope * at[..., None]
         difference = gap + (lowest - value)[..., None]
-        difference[:, own, own] = 1.0
-        y = -((rho * x) @ motion) / difference
+        difference[:, own, own] = -1.0
+        y = (rho * x).swapaxes(0, 1) @ motion
+        y /= -difference
         y[:, own, own] = 1.0
-        x = y @ transposed
-        norm = (y * y).sum(axis=-1)
-        quotient = ((y * y * gap).sum(axis=-1) + (rho * x * x).sum(axis=-1)) / norm
-        answer = lowest + quotient
-        change = np.abs(answer - value) / np.abs(answer)
-        settled = (change.max(axis=1) < CONVERGED) & (norm.max(axis=1) < 1.01)
-        # The quotient is all but linear in lambda: a secant finds where it meets the diagonal.
-        if before is not None:
+        x = (y @ transposed).swapaxes(0, 1)
+        square = y * y
+        norm = square.sum(axis=-1)
+        answer = np.einsum("ncj,ncj->nc", square, gap) + np.einsum("cnk,cnk,cnk->nc", rho, x, x)
+        answer = lowest + answer / norm
+        change = answer - value
+        if before is None:
+            # The quotient's own slope, as P departs from its chord like lambda (lambda - end).
+            slower = (answer - lowest) * (2 * value - end) / (value * (value - end))
+            unsure = np.full_like(value, np.inf)
+        else:
+            # All but linear in lambda: a secant finds where the quotient meets the diagonal.
             step = value - before[0]
-            np.divide(answer - before[1], step, out=slower, where=np.abs(step) > 1e-8 * value)
-            slower[np.abs(slower) > 0.5] = 0.0
-        before = value, answer
-        value = value + (answer - value) / (1 - slower)
+            slower = np.where(np.abs(step) > 1e-8 * value, (answer - before[1]) / step, before[2])
+            unsure = np.abs(slower - before[2])
+        slower = np.where(np.abs(slower) < 0.5, slower, 0.0)
+        before = value, answer, slower
+        value = value + change / (1 - slower)
+        # What the next step would still change, the slope being wrong by as much as it moved.
+        left = np.minimum(np.abs(change), unsure * np.abs(change) / (1 - np.abs(slower)))
+        settled = ((left < CONVERGED * value).all(axis=1)) & (norm.max(axis=1) < 1.01)
         if settled.all():
             break
     return value, settled

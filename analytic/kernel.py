@@ -48,7 +48,7 @@ def solve_poses(
     below: NDArray[np.int64],
 ) -> None:
     """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`."""
-    N, K, terms = powers.shape
+    terms, N, K = powers.shape
     m = start.shape[1]
     p = m - 6
     count = found.shape[1]
@@ -65,13 +65,14 @@ def solve_poses(
     P, slope, scale = np.empty(K), np.empty(K), np.empty(K)
     power = np.empty((terms, K))
     for n in range(N):
-        # The chord of P, with the powers turned so that a step of Horner's is one run of memory.
+        # The chord of P, with this pose's powers side by side.
         limit, end = np.inf, np.inf
         for k in range(K):
             limit = min(limit, caps[n, k])
             scale[k] = 2.0 / caps[n, k]
-            for j in range(terms):
-                power[j, k] = powers[n, k, j]
+        for j in range(terms):
+            for k in range(K):
+                power[j, k] = powers[j, n, k]
         for q in range(p):
             end = min(end, poles[n, q])
         end = min(end, limit)

@@ -50,7 +50,7 @@ class LimbModes:
     def at(
         self, lengths: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return poles x_j (N, p), residues c_j (N, p) and P's powers (N, 3, DEGREE + 1)."""
+        """Return poles x_j (N, p), residues c_j (N, p) and P's powers (DEGREE + 1, N, 3)."""
         low, high = _inverse_squares(self.span)
         u = (2 / lengths**2 - (high + low)) / (high - low)
         # T_k(u), a row each: their product with the table is one call of BLAS.
@@ -59,10 +59,12 @@ class LimbModes:
         for k in range(2, len(T)):
             np.multiply(2 * u, T[k - 1], out=T[k])
             T[k] -= T[k - 2]
-        values = T[: len(self.table)].T @ self.table
-        poles = sum(self.kept)
-        powers = values[:, 2 * poles :].reshape(-1, 3, DEGREE + 1)
-        return values[:, :poles], values[:, poles : 2 * poles], powers
+        T, poles = T[: len(self.table)].T, sum(self.kept)
+        values = T @ self.table[:, : 2 * poles]
+        smooth = self.table[:, 2 * poles :].reshape(-1, 3, DEGREE + 1).transpose(2, 0, 1)
+        # A table of one row is the same for all lengths.
+        powers = np.matmul(T, smooth) if len(self.table) > 1 else smooth.repeat(len(u), axis=1)
+        return values[:, :poles], values[:, poles:], powers
 
 
 def units(rod: Sections, lengths: Array) -> tuple[Array, Array]:
@@ -248,5 +250,5 @@ def evaluate(
     poles, residues, powers = made.at(lengths)
     own = slice(sum(made.kept[:direction]), sum(made.kept[: direction + 1]))
     t = 2 * x / made.caps[direction] - 1
-    value = (powers[:, direction] * t[:, None] ** np.arange(DEGREE + 1)).sum(axis=1)
+    value = (powers[..., direction] * t ** np.arange(DEGREE + 1)[:, None]).sum(axis=0)
     return np.asarray(value - (residues[:, own] / (poles[:, own] - x[:, None])).sum(axis=1))

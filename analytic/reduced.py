@@ -59,6 +59,8 @@ def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Float
     return limbs.lengths.reshape(-1, n), vectors.reshape(-1, 3 * n, 6)
 
 
+FEW = 8
+"""Matrices up to which their eigenvalues cost less than an elimination, step by step, of all."""
 GROWTH = 10.0
 """Growth of entries in elimination up to which its signs are as good as those of eigenvalues."""
 
@@ -66,8 +68,11 @@ GROWTH = 10.0
 def negative(D: Floats) -> NDArray[np.int64]:
     """Return how many eigenvalues of each symmetric D (N, m, m) are negative, by Sylvester's law.
 
-    From the pivots of an elimination of all at once; by the eigenvalues where it needs pivoting.
+    From the pivots of an elimination of all at once; by the eigenvalues where it needs pivoting, or
+    where they are few.
     """
+    if len(D) <= FEW:
+        return np.asarray((np.linalg.eigvalsh(D) < 0).sum(axis=1))
     A = np.ascontiguousarray(D.transpose(1, 2, 0))
     size = np.abs(A).max(axis=(0, 1))
     count, grown = np.zeros(len(D), dtype=np.int64), np.zeros(len(D), dtype=bool)
@@ -87,7 +92,7 @@ class Reduced:
     """The problem above at N poses; p limb modes are kept and m = 6 + p.
 
     Attributes: `lengths` (N, n); `vectors` a_k (N, 3 n, 6); `poles` (N, p) and `residues` (N, p)
-    with the direction `owner` (p,) of each; `powers` of P_k (N, 3 n, DEGREE + 1) over
+    with the direction `owner` (p,) of each; `powers` of P_k (DEGREE + 1, N, 3 n) over
     2 lambda / `caps` - 1, `caps` (N, 3 n).
     """
 
@@ -111,18 +116,17 @@ class Reduced:
             self.poles[index],
             self.residues[index],
             self.owner,
-            self.powers[index],
+            self.powers[:, index],
             self.caps[index],
         )
 
     def smooth(self, eigenvalue: Floats) -> Floats:
-        """Return P_k at `eigenvalue` (N, c), shape (N, c, 3 n)."""
-        t = (2 / self.caps)[:, None, :] * eigenvalue[:, :, None] - 1
-        powers = self.powers[:, None]
-        value = powers[..., DEGREE] * t + powers[..., DEGREE - 1]
+        """Return P_k at `eigenvalue` (c, N), shape (c, N, 3 n): poses are runs of memory."""
+        t = (2 / self.caps) * eigenvalue[..., None] - 1
+        value = self.powers[DEGREE] * t + self.powers[DEGREE - 1]
         for k in range(DEGREE - 2, -1, -1):
             value *= t
-            value += powers[..., k]
+            value += self.powers[k]
         return np.asarray(value)
 
     def below(self, eigenvalue: Floats) -> NDArray[np.int64]:
@@ -130,7 +134,7 @@ class Reduced:
 
         Wittrick and Williams' count, the limbs' D being exact to `limb_modes.EXACT`.
         """
-        d = self.smooth(eigenvalue[:, None])[:, 0]
+        d = self.smooth(eigenvalue[None])[0]
         share = self.residues / (self.poles - eigenvalue[:, None])
         for j, k in enumerate(self.owner):
             d[:, k] -= share[:, j]
@@ -144,17 +148,22 @@ class Reduced:
 
         From zero to the softest limb's first mode: right where modes are wanted.
         """
-        end = np.minimum(self.poles.min(axis=1), self.limit)[:, None]
-        ends = self.smooth(np.concatenate([np.zeros_like(end), end], axis=1))
-        return ends[:, 0], (ends[:, 1] - ends[:, 0]) / end
+        end = self.end
+        at_rest, there = self.smooth(np.stack([np.zeros_like(end), end]))
+        return at_rest, (there - at_rest) / end[:, None]
+
+    @property
+    def end(self) -> Floats:
+        """Where the chord ends, (N,)."""
+        return np.asarray(np.minimum(self.poles.min(axis=1), self.limit))
 
     def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
         """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""
         t = 2 * eigenvalue[:, None] / self.caps - 1
-        value, slope = self.powers[..., DEGREE].copy(), np.zeros_like(t)
+        value, slope = self.powers[DEGREE].copy(), np.zeros_like(t)
         for k in range(DEGREE - 1, -1, -1):
             slope = slope * t + value
-            value = value * t + self.powers[..., k]
+            value = value * t + self.powers[k]
         slope *= 2 / self.caps
         return value - slope * eigenvalue[:, None], slope
 
@@ -193,7 +202,7 @@ def reduced(
     rods = known.rods
     N, n = lengths.shape
     frequency2, stiffness = units(rods, lengths)
-    powers, caps = np.empty((N, n, 3, DEGREE + 1)), np.empty((N, n, 3))
+    powers, caps = np.empty((DEGREE + 1, N, n, 3)), np.empty((N, n, 3))
     poles, residues, owner = [], [], []
     for alike in known.alike:
         rod = Sections(*(value[alike[:1]] for value in vars(rods).values()))
@@ -202,7 +211,11 @@ def reduced(
         if modes is None:
             return None
         x, c, P = modes.at(lengths[:, alike].ravel())
-        powers[:, alike] = P.reshape(N, len(alike), 3, -1)
+        P = P.reshape(-1, N, len(alike), 3)
+        if len(alike) == n:
+            powers = P * stiffness
+        else:
+            powers[:, :, alike] = P * stiffness[:, alike]
         caps[:, alike] = modes.caps
         direction = np.repeat(np.arange(3), modes.kept)
         unit = frequency2[:, alike][..., direction]
@@ -210,7 +223,6 @@ def reduced(
         own = c.reshape(unit.shape) * unit * stiffness[:, alike][..., direction]
         residues.append(own.reshape(N, -1))
         owner.append((3 * alike[:, None] + direction).ravel())
-    powers *= stiffness[..., None]
     caps *= frequency2
     return Reduced(
         lengths,
@@ -218,7 +230,7 @@ def reduced(
         np.concatenate(poles, axis=1),
         np.concatenate(residues, axis=1),
         np.concatenate(owner),
-        powers.reshape(N, 3 * n, -1),
+        powers.reshape(-1, N, 3 * n),
         caps.reshape(N, 3 * n),
     )
 

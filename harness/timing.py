@@ -6,7 +6,7 @@ that may crash is timed inside its own process: handing the answer over is no co
 
 import gc
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +20,7 @@ from harness.bench import Bench, label
 from harness.cases import Case
 from harness.workers import Failure
 from reference_models import UnavailableError
+from reference_models.spent import recorded
 
 Array = NDArray[np.float64]
 Places = tuple[tuple[Mechanism, Pose], ...]
@@ -85,16 +86,19 @@ class Call:
         gc.collect()
         gc.disable()
         try:
-            began = time.perf_counter()
-            for at in shifted:
-                answers = [
-                    ask(mechanism, pose, self.count)
-                    for (mechanism, _), pose in zip(self.places, at, strict=True)
-                ]
-            seconds = (time.perf_counter() - began) / self.number
+            with recorded() as record:
+                began = time.perf_counter()
+                for at in shifted:
+                    answers = [
+                        ask(mechanism, pose, self.count)
+                        for (mechanism, _), pose in zip(self.places, at, strict=True)
+                    ]
+                seconds = time.perf_counter() - began
         finally:
             gc.enable()
-        return Spent(seconds / len(self.places), tuple(answers))
+        each = self.number * len(self.places)
+        phases = {name: spent / each for name, spent in record.seconds.items()}
+        return Spent(seconds / each, tuple(answers), phases)
 
 
 def _moved(pose: Pose, shift: float) -> Pose:
@@ -103,10 +107,11 @@ def _moved(pose: Pose, shift: float) -> Pose:
 
 @dataclass(frozen=True)
 class Spent:
-    """What a call took at a place [s], and what it answered."""
+    """What a call took at a place [s] and answered, and seconds by `reference_models.spent`."""
 
     seconds: float
     answers: tuple[Any, ...]
+    phases: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -115,7 +120,8 @@ class Timed:
 
     Attributes: `seconds` a pose, by round; `builds`, `solves`: what its answers say of their
     matrices and eigen-solutions, by call, empty for frequencies alone; `answers`, one a place:
-    modes, or frequencies of the first pose of a call.
+    modes, or frequencies of the first pose of a call; `phases`: a simulator's seconds by phase,
+    medians of all calls; `once`: those of its first call.
     """
 
     way: Way
@@ -123,6 +129,8 @@ class Timed:
     builds: Array
     solves: Array
     answers: tuple[Modes | Array, ...]
+    phases: Mapping[str, float] = field(default_factory=dict)
+    once: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def build(self) -> float | None:
@@ -177,6 +185,7 @@ class _Running:
     builds: list[float] = field(default_factory=list)
     solves: list[float] = field(default_factory=list)
     answers: tuple[Any, ...] = ()
+    phases: list[Mapping[str, float]] = field(default_factory=list)
     calls: int = 0
 
     def call(self, bench: Bench, count: int, number: int = 1) -> str:
@@ -188,6 +197,7 @@ class _Running:
             return found.reason
         assert isinstance(found, Spent)
         self.seconds, self.answers = found.seconds, found.answers
+        self.phases.append(found.phases)
         for answer in found.answers:
             if isinstance(answer, Modes):
                 self.builds.append(answer.build_seconds)
@@ -214,6 +224,8 @@ class _Running:
             np.array(self.builds),
             np.array(self.solves),
             answers,
+            {k: float(np.median([p[k] for p in self.phases[1:]])) for k in self.phases[0]},
+            self.phases[0],
         )
 
 

@@ -2,16 +2,21 @@
 
 from __future__ import annotations  # scipy loads its parts when they are first used
 
+from typing import Any
+
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from analytic.modes import check_count
 from reference_models.protocol import hertz
+from reference_models.spent import phase
 
 Array = NDArray[np.float64]
 RANK = 1e-9
 """Singular values below this, relative to the largest of the same joints, are zero."""
+FULL = 0.1
+"""A basis with more entries than this part of all is multiplied as a full matrix."""
 NOISE = 1e-14
 """Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
@@ -29,11 +34,15 @@ def constrained_modes(
     K's entries are known to `rounding`, relative. Raises `InputError` for more modes than
     coordinates left free, and `ModelError` naming the `model` where an omega^2 is below zero.
     """
-    free = null_space(J)
-    check_count(count, free.shape[1])
-    reduced = (free.T @ (A @ free) for A in (K, M))
-    K_free, M_free = ((A + A.T) / 2 for A in reduced)
-    values, x, noise = _lowest(K_free, M_free, count, rounding)
+    with phase("projection"):
+        free = null_space(J)
+        check_count(count, free.shape[1])
+        full = free.nnz > FULL * free.shape[0] * free.shape[1]
+        basis: Any = free.toarray() if full else free
+        reduced = (basis.T @ (A @ basis) for A in (K, M))
+        K_free, M_free = ((A + A.T) / 2 for A in reduced)
+    with phase("eigen-solution"):
+        values, x, noise = _lowest(K_free, M_free, count, rounding)
     return hertz(model, values, noise), free @ x, free.shape[1]
 
 
@@ -88,9 +97,12 @@ def null_space(J: Array) -> scipy.sparse.csr_array:
         alike = np.flatnonzero((height == r) & (width == k))
         on = columns[first_column[alike, None] + np.arange(k)]
         of = chosen[first_row[alike, None] + np.arange(r)]
-        _, singular, V = np.linalg.svd(rows[of[:, :, None], on[:, None, :]])
+        _, singular, held = np.linalg.svd(rows[of[:, :, None], on[:, None, :]], full_matrices=False)
         null = np.ones((len(alike), k), dtype=bool)
-        null[:, : singular.shape[1]] = singular <= RANK * singular[:, :1]
+        null[:, : singular.shape[1]] = nothing = singular <= RANK * singular[:, :1]
+        # What completes an orthonormal basis of the rows; theirs that are zero come last.
+        held = np.where(nothing[..., None], 0.0, held)
+        V = np.linalg.qr(held.swapaxes(1, 2), mode="complete")[0].swapaxes(1, 2)
         block, _ = np.nonzero(null)
         number = found + np.arange(len(block))
         where.append((on[block].ravel(), np.repeat(number, k)))

@@ -21,6 +21,7 @@ from reference_models.solid.ngsolve import RIM_ORDER
 from reference_models.solid.ngsolve_mesh import load as load_ngsolve
 from reference_models.solid.nodal_rod import nodal_rod
 from reference_models.solid.rod import SLENDERNESS
+from reference_models.spent import SIMULATOR, phase
 
 NAME = "exudyn-ffrf"
 THEORY = f"3-D elasticity, {FACES['rigid']}"
@@ -85,7 +86,8 @@ class ExudynFfrf:
         # Rounded, so that lengths equal but for rounding share a reduction; the gap shows by how
         # much.
         length = float(f"{axis.length:.13g}")
-        reduced = _reduced(axis.rod, length, self.elements, self.modes_kept)
+        with phase(SIMULATOR):
+            reduced = _reduced(axis.rod, length, self.elements, self.modes_kept)
         rod = nodal_rod(material.poisson, self.elements)
         along, about, across = axis.frame.T
         frame = np.stack([-across, about, along], axis=1)

@@ -22,6 +22,7 @@ from reference_models import placement
 from reference_models.placement import Placement, place
 from reference_models.projection import constrained_modes
 from reference_models.protocol import ModelError, UnavailableError
+from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
@@ -140,24 +141,30 @@ def _solve(
 ) -> Modes:
     exu = load()
     begin = time.perf_counter()
-    placed = place(mechanism, pose)
-    o, R, axes = placed.centre, placed.rotation, rod_axes(mechanism, placed)
+    with phase("building"):
+        placed = place(mechanism, pose)
+        o, R, axes = placed.centre, placed.rotation, rod_axes(mechanism, placed)
     with system(exu, name) as mbs:
-        node, body = add_platform(exu, mbs, mechanism.platform, o, R)
-        lines = [add_rod(exu, mbs, axis) for axis in axes]
-        spherical = [
-            add_spherical(exu, mbs, body, limb.platform_point, line.tip)
-            for line, limb in zip(lines, mechanism.limbs, strict=True)
-        ]
-        mbs.Assemble()
-        residual = largest_gap(exu, mbs, mechanism, [line.joint for line in lines], spherical)
-        M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
+        with phase("building"):
+            node, body = add_platform(exu, mbs, mechanism.platform, o, R)
+            lines = [add_rod(exu, mbs, axis) for axis in axes]
+            spherical = [
+                add_spherical(exu, mbs, body, limb.platform_point, line.tip)
+                for line, limb in zip(lines, mechanism.limbs, strict=True)
+            ]
+        with phase(SIMULATOR):
+            mbs.Assemble()
+        with phase("shapes"):
+            residual = largest_gap(exu, mbs, mechanism, [line.joint for line in lines], spherical)
+        with phase(SIMULATOR):
+            M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
         if not np.isfinite(K).all() or not np.isfinite(M).all():
             raise ModelError(f"{name}: Exudyn's matrices hold values that are not finite")
         built = time.perf_counter()
         frequencies, q, free = constrained_modes(name, K, M, J.T, count)
         solved = time.perf_counter()
-        platform, limbs = read_shapes(exu, mbs, q, node, lines)
+        with phase("shapes"):
+            platform, limbs = read_shapes(exu, mbs, q, node, lines)
     return Modes(
         frequencies=frequencies,
         platform=platform,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_models.protocol import ModelError
+from reference_models.spent import SIMULATOR, phase
 
 Array = NDArray[np.float64]
 
@@ -111,9 +112,10 @@ def _slope(model: Any, data: Any, direction: Array, step: float) -> Array:
 
 def _force(model: Any, data: Any, displacement: Array) -> Array:
     data.qpos[:] = model.qpos0
-    mujoco.mj_integratePos(model, data.qpos, displacement, 1.0)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_flex(model, data)
-    mujoco.mj_passive(model, data)
+    with phase(SIMULATOR):
+        mujoco.mj_integratePos(model, data.qpos, displacement, 1.0)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_flex(model, data)
+        mujoco.mj_passive(model, data)
     return np.array(data.qfrc_passive)

@@ -15,6 +15,7 @@ from analytic.pose import Pose
 from reference_models.mujoco.rig import Limb, Rods, document, limbs_of, surplus
 from reference_models.projection import ROUNDING, constrained_modes
 from reference_models.protocol import UnavailableError
+from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
@@ -93,23 +94,30 @@ def _solve(
     from reference_models.mujoco import linearise as mj
 
     begin = time.perf_counter()
-    limbs = limbs_of(mechanism, pose)
-    rods = make_rods(limbs)
+    with phase("building"):
+        limbs = limbs_of(mechanism, pose)
+        rods = make_rods(limbs)
+        text = document(mechanism, pose, limbs, rods)
     with mj.strict():
-        model = mj.compiled(document(mechanism, pose, limbs, rods))
+        with phase(SIMULATOR):
+            model = mj.compiled(text)
         model.body("platform").inertia -= surplus(mechanism)
         rods.amend(model)
-        data = mj.at_rest(model)
-        residual = geometry.gap(model, data, mechanism, limbs)
-        platform = geometry.jacobian(model, data, "platform", data.body("platform").xpos)
-        motion = np.stack(
-            [
-                geometry.centre_line(model, data, limb, names)
-                for limb, names in zip(limbs, rods.bodies, strict=True)
-            ]
-        )
-        M, J = mj.inertia(model, data), mj.joint_jacobian(model, data)
-        K = stiffness(model, data, limbs)
+        with phase(SIMULATOR):
+            data = mj.at_rest(model)
+        with phase("shapes"):
+            residual = geometry.gap(model, data, mechanism, limbs)
+            platform = geometry.jacobian(model, data, "platform", data.body("platform").xpos)
+            motion = np.stack(
+                [
+                    geometry.centre_line(model, data, limb, names)
+                    for limb, names in zip(limbs, rods.bodies, strict=True)
+                ]
+            )
+        with phase(SIMULATOR):
+            M, J = mj.inertia(model, data), mj.joint_jacobian(model, data)
+        with phase("linearising"):
+            K = stiffness(model, data, limbs)
     built = time.perf_counter()
     frequencies, shapes, dofs = constrained_modes(name, K, M, J, count, rounding)
     return Modes(

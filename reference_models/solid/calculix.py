@@ -18,6 +18,7 @@ from reference_models.protocol import ModelError, UnavailableError
 from reference_models.solid.calculix_deck import Deck, write
 from reference_models.solid.calculix_run import MISSING, NAME, Answer, program, run, version
 from reference_models.solid.rod_mesh import RodMesh
+from reference_models.spent import phase
 from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
@@ -93,16 +94,20 @@ class CalculixSolid:
 
     def _solve(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
         begin = time.perf_counter()
-        deck = write(mechanism, pose, self._mesh, self.element, count)
-        residual = largest_gap(deck, mechanism)
+        with phase("building"):
+            deck = write(mechanism, pose, self._mesh, self.element, count)
+            residual = largest_gap(deck, mechanism)
         built = time.perf_counter()
         answer = run(deck.text, self.time_limit)
         solved = time.perf_counter()
-        check_answer(answer, deck, count)
+        with phase("shapes"):
+            check_answer(answer, deck, count)
+            platform = answer.at(np.array(deck.platform)).reshape(count, 6)
+            limbs = centre_lines(answer, deck)
         return Modes(
             frequencies=np.sqrt(answer.eigenvalues) / (2 * np.pi),
-            platform=answer.at(np.array(deck.platform)).reshape(count, 6),
-            limbs=centre_lines(answer, deck),
+            platform=platform,
+            limbs=limbs,
             theory=THEORY,
             model=NAME,
             version=f"ccx {version(program())}",

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference_models.protocol import ModelError, UnavailableError
+from reference_models.spent import SIMULATOR, phase
 
 Array = NDArray[np.float64]
 
@@ -81,13 +82,15 @@ def run(deck: str, time_limit: float) -> Answer:
         with tempfile.TemporaryDirectory(prefix="rps-bench-ccx-") as folder:
             directory = Path(folder)
             (directory / f"{JOB}.inp").write_text(deck)
-            said = _execute(path, directory, time_limit)
+            with phase(SIMULATOR):
+                said = _execute(path, directory, time_limit)
             results = directory / f"{JOB}.dat"
             text = results.read_text(errors="replace") if results.exists() else ""
     except OSError as error:
         reason = error.strerror or error
         raise ModelError(f"{NAME}: cannot set up a run of ccx: {reason}") from None
-    return parse(text, said)
+    with phase("shapes"):
+        return parse(text, said)
 
 
 def _execute(path: str, directory: Path, time_limit: float) -> str:

@@ -25,6 +25,7 @@ from reference_models.solid.faces import FACES, Held, check_faces, hold
 from reference_models.solid.ngsolve_mesh import LARGEST_ORDER, load, solid_rod
 from reference_models.solid.reduction import PARTS, Statics, statics
 from reference_models.solid.rod import FAMILIES, SLENDERNESS
+from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
@@ -114,7 +115,8 @@ class NgsolveSolid:
         begin = time.perf_counter()
         placed = place(mechanism, pose)
         R = placed.rotation
-        limbs = [_place(self, limb, placed, i) for i, limb in enumerate(mechanism.limbs)]
+        with phase("projection"):
+            limbs = [_place(self, limb, placed, i) for i, limb in enumerate(mechanism.limbs)]
         residual = max(*(limb.gap for limb in limbs), largest_gap(mechanism, placed.tips))
         M = np.zeros((6, 6))
         M[:3, :3] = mechanism.platform.mass * np.eye(3)
@@ -125,9 +127,12 @@ class NgsolveSolid:
             raise ModelError(f"{NAME}: the platform moves freely, and only vibrations are found")
         check_count(count, system.size)
         built = time.perf_counter()
-        eigenvalues, X = lowest(system.flexible, system.inertia, system.size, count)
+        with phase("eigen-solution"):
+            eigenvalues, X = lowest(system.flexible, system.inertia, system.size, count)
         solved = time.perf_counter()
-        local = system.centre_lines(X).reshape(len(limbs), len(FAMILIES), -1, count)
+        with phase("shapes"):
+            local = system.centre_lines(X)
+        local = local.reshape(len(limbs), len(FAMILIES), -1, count)
         frames = np.array([limb.frame for limb in limbs])
         return Modes(
             frequencies=hertz(NAME, eigenvalues, 0.0),
@@ -154,7 +159,8 @@ class NgsolveAveraged(NgsolveSolid):
 @lru_cache(maxsize=4)
 def held_rods(poisson: float, elements: int, order: int, faces: str) -> dict[str, Held]:
     """Return all families of a rod in its joints; raises as `NgsolveSolid.modes`."""
-    rod = solid_rod(poisson, elements, order)
+    with phase(SIMULATOR):
+        rod = solid_rod(poisson, elements, order)
     return {family: hold(rod, family, faces) for family in FAMILIES}
 
 

@@ -17,6 +17,11 @@ from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Request
 from harness.result import Result
+from harness.studies.cost.cores import Throughput, cores_table, throughput
+from harness.studies.cost.growth import growth_table
+from harness.studies.cost.peers import Peers, measured, peers_table
+from harness.studies.cost.ratios import Ratio, ratios, ratios_table
+from harness.studies.cost.simulators import simulators_table
 from harness.studies.cost.work import counted, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows, whole_number
 from harness.tables import Cell, Number, Table
@@ -31,8 +36,8 @@ Array = NDArray[np.float64]
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 MATRICES = 10_000
-LARGE = 8
-"""From this s on, growth is fitted a second time: below it, what does not grow dominates."""
+PLAINLY = (("fast", False),)
+"""What keeps many poses from the compiled loop."""
 MOST_POSES = 1_000_000
 
 
@@ -47,31 +52,29 @@ DEFAULTS = {"references": "all", "elements": "1,2,4,8,16,32,64", "cases": "case2
 OPTIONS = (
     Option("repeats", "N", "How often everything is timed; default 7.", "7",
            lambda text: whole_number("repeats", text, 1000)),
+    Option("poses_a_core", "N", "Poses a core where all cores work; default 100000.", "100000",
+           lambda text: whole_number("poses_a_core", text, MOST_POSES)),
     Option("batches", "N,N", "Poses a call; default 1,10,100,1000,10000,100000.",
            "1,10,100,1000,10000,100000", _batches),
 )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Growth:
-    """t ~ size^exponent by least squares on logarithms, with the exponent's standard error."""
-
-    method: str
-    what: str
-    sizes: tuple[int, ...]
-    exponent: float
-    error: float
-
-
-@dataclass(frozen=True)
 class Cost(Result):
-    """A whole run at `case`: `timings` of every model against s, and of `batches` of poses."""
+    """A whole run at `case`: `timings` of every model against s, and of `batches` of poses.
+
+    Attributes: `stand_in`, what stands for the paper's finite elements; `plain`, our time in times
+    of plain dense solutions; `many`, many poses on many cores; `peers`, other programs.
+    """
 
     case: Case
     theory: Named
     timings: Timings
     batches: tuple[Timed, ...]
     stand_in: Timed | None
+    plain: tuple[Ratio, ...]
+    many: tuple[Throughput, ...]
+    peers: Peers
 
     @property
     def elements(self) -> tuple[Timed, ...]:
@@ -91,26 +94,6 @@ class Cost(Result):
         )
         return next(found, None)
 
-    def growth(self, least: int = 1) -> list[Growth]:
-        """Return how every method's time, and its solve time, grow with s."""
-        from scipy.stats import linregress
-
-        result = []
-        for method in dict.fromkeys(t.way.method for t in self.elements):
-            own = [t for t in self.elements if t.way.method == method]
-            for what, value in (("time", _whole), ("solve time", _solve)):
-                points = [
-                    (t.way.model.elements, value(t)) for t in own
-                    if isinstance(t.way.model.elements, int) and t.way.model.elements >= least
-                    and value(t)
-                ]  # fmt: skip
-                if len(points) >= 3:
-                    sizes, seconds = zip(*points, strict=True)
-                    fit = linregress(np.log(sizes), np.log(seconds))
-                    slope, error = float(fit.slope), float(fit.stderr)
-                    result.append(Growth(method, what, sizes, slope, error))
-        return result
-
     def to_frame(self) -> "pd.DataFrame":
         """Return one row a way and round: seconds a pose, and its parts."""
         import pandas as pd
@@ -126,12 +109,16 @@ class Cost(Result):
         ])  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
-        """Return cost against elements, its growth, counted work, batches, the paper's claims."""
+        """Return what every model costs, how that grows, and whose seconds they are."""
         found = {
             "-elements": self._elements_table(),
-            "-growth": self._growth_table(),
-            "-work": work_table(self.steps, len(self.case.mechanism.limbs)),
+            "-growth": growth_table(self.elements, self.steps, self.limbs),
+            "-work": work_table(self.steps, self.limbs),
             "-batches": self._batches_table(),
+            "-ratios": ratios_table(self.plain),
+            "-simulators": simulators_table(self.elements),
+            "-cores": cores_table(self.many),
+            "-peers": peers_table(self.peers),
         }
         return found | ({"-claims": self._claims_table()} if self.case.published else {})
 
@@ -157,30 +144,6 @@ class Cost(Result):
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
         )
         return Table("Cost of one pose against the number of elements", columns, tuple(rows), notes)
-
-    def _growth_table(self) -> Table:
-        large = {(g.method, g.what): g for g in self.growth(LARGE)}
-        rows: list[tuple[Cell, ...]] = []
-        for g in self.growth():
-            tail = large.get((g.method, g.what))
-            end: tuple[Cell, ...] = ("-", "-", "-")
-            if tail is not None:
-                end = (_range(tail.sizes), Number(tail.exponent, 2), Number(tail.error, 2))
-            own = (Number(g.exponent, 2), Number(g.error, 2))
-            rows.append((g.method, g.what, _range(g.sizes), *own, *end))
-        columns = (
-            "Model",
-            "Of",
-            "s",
-            "exponent",
-            "std. error",
-            "large s",
-            "exponent",
-            "std. error",
-        )
-        notes = ("median seconds ~ s^exponent, least squares on logarithms; three sizes at least",)
-        title = "Growth of cost with the number of elements"
-        return Table(title, columns, tuple(rows), notes)
 
     @property
     def steps(self) -> list[int]:
@@ -262,8 +225,13 @@ class Cost(Result):
 
     def operations(self, formulation: str, s: int = PAPER_ELEMENTS) -> float:
         """Return counted operations of a formulation in times of the paper's."""
-        limbs = len(self.case.mechanism.limbs)
-        return counted(formulation, s, limbs).flops / counted("paper", s, limbs).flops
+        own = counted("paper", s, self.limbs)
+        return counted(formulation, s, self.limbs).flops / own.flops
+
+    @property
+    def limbs(self) -> int:
+        """The limbs of the mechanism."""
+        return len(self.case.mechanism.limbs)
 
     def rows(self) -> list[dict[str, Any]]:
         """Return a row a way and mode for the history."""
@@ -282,6 +250,7 @@ def measure(
     batches: Sequence[int],
     rounds: int,
     bench: Bench,
+    poses_a_core: int = 100_000,
 ) -> Cost:
     """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always one of them."""
     steps = sorted({*elements, PAPER_ELEMENTS})
@@ -295,7 +264,11 @@ def measure(
     ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
     limit = theory.limit()
     ways += [Way(limit)] if limit is not None else []
-    ways += [Way(replace(model, elements=s)) for model in references for s in steps]
+    ways += [
+        Way(replace(model, elements=s))
+        for model in references
+        for s in (_own_mesh(model) if model.info().slow else steps)
+    ]
     whole = [Way(model) for model in references[:1] if isinstance(model.elements, tuple)]
     batch = [
         Way(replace(loop, elements=s), size)
@@ -317,7 +290,12 @@ def measure(
     timings = replace(timings, yardsticks={**yards, FLOOR: yards[FLOOR] / MATRICES})
     many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
     stand_in = next((t for t in timings.timed if t.way in whole), None)
-    return Cost(case, theory, timings, many, stand_in)
+    plain = ratios(case, rounds, max(batches))
+    others = measured(case, COUNT, rounds)
+    plainly = [loop if loop.settings else replace(loop, settings=PLAINLY) for loop in loops]
+    cores, failed = throughput(case, plainly, poses_a_core, COUNT, bench.limit)
+    timings = replace(timings, failures=timings.failures | failed)
+    return Cost(case, theory, timings, many, stand_in, plain, tuple(cores), others)
 
 
 def run(request: Request, bench: Bench) -> Cost:
@@ -325,16 +303,15 @@ def run(request: Request, bench: Bench) -> Cost:
     options = request.options
     return measure(
         request.cases[0], request.theory, request.references, request.steps, options["batches"],
-        options["repeats"], bench,
+        options["repeats"], bench, options["poses_a_core"],
     )  # fmt: skip
 
 
 def jobs(plan: Plan) -> dict[str, Request]:
-    """Return what the main job asks: beams and analytic models, at the last case."""
-    beams = tuple(model for model in plan.references if not model.info().slow)
-    options = {"repeats": 3, "batches": (1, 10, 100, 1000, 10_000)}
+    """Return what the main job asks: every model, at the last case."""
+    options = {"repeats": 3, "batches": (1, 10, 100, 1000, 10_000), "poses_a_core": 20_000}
     steps = (1, 2, 4, 8, 16, 32, 64)
-    return {"cost": plan.request(cases=plan.cases[-1:], references=beams, elements=steps,
+    return {"cost": plan.request(cases=plan.cases[-1:], references=plan.references, elements=steps,
                                  options=options)}  # fmt: skip
 
 
@@ -345,12 +322,14 @@ def _loops() -> list[tuple[tuple[str, bool], ...]]:
     return [(), (("fast", True),)] if compiled() else [()]
 
 
+def _own_mesh(model: Named) -> Sequence[int]:
+    """Return the first of the meshes that a model is extrapolated from, as for what is slow."""
+    info = model.info()
+    return (info.refinements or info.ladder)[:1]
+
+
 def _rival(solver: str) -> str:
     return Way(Named("multipliers", PAPER_ELEMENTS, (("solver", solver),))).method
-
-
-def _whole(t: Timed) -> float:
-    return t.median
 
 
 def _solve(t: Timed) -> float:
@@ -363,10 +342,6 @@ def _ms(seconds: float | None) -> Cell:
 
 def _quartiles(values: Array, digits: int = 3) -> tuple[Number, ...]:
     return tuple(Number(float(v), digits) for v in np.percentile(values, [25, 75]))
-
-
-def _range(sizes: Sequence[int]) -> str:
-    return f"{sizes[0]}-{sizes[-1]}"
 
 
 def _named(t: Timed) -> str:

@@ -15,9 +15,13 @@ FORMULATIONS = {
 }
 
 
-def counted(formulation: str, s: int, limbs: int) -> Work:
-    """Return the counted work of one of `FORMULATIONS` with `s` elements, solved as it is here."""
-    sparse = limbs * (6 * s - 2) + 6 > DENSE
+def counted(formulation: str, s: int, limbs: int, *, sparse: bool | None = None) -> Work:
+    """Return the counted work of one of `FORMULATIONS` with `s` elements.
+
+    Solved as it is here, or `sparse`, or not.
+    """
+    if sparse is None:
+        sparse = limbs * (6 * s - 2) + 6 > DENSE
     count = {"paper": work.substructure, "null-space": work.null_space,
              "saddle-point": work.saddle_point}[formulation]  # fmt: skip
     return count(s, limbs, COUNT, sparse=sparse)

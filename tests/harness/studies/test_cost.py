@@ -6,9 +6,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from analytic import Substructure
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
+from harness.studies.cost.growth import growth
+from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
 from harness.timing import Timed, Way
 from reference_models import Named
@@ -22,7 +25,7 @@ NONE = np.empty(0)
 def cost() -> Cost:
     references = [Named("exudyn-cable", (4, 8)), Named("mujoco-cable", (4, 8))]
     with Bench() as bench:
-        return measure(CASE, EULER, references, (1, 2, 4), (1, 100), 2, bench)
+        return measure(CASE, EULER, references, (1, 2, 4), (1, 100), 2, bench, 200)
 
 
 def test_modes_say_what_they_took_to_build_and_to_solve(cost: Cost) -> None:
@@ -60,10 +63,10 @@ def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
         Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), NONE, NONE, own.answers)
         for s in (1, 2, 4, 8, 16)
     )
-    grown = replace(cost, timings=replace(cost.timings, timed=made), batches=(), stand_in=None)
-    (fit,) = grown.growth()
+    (fit, *counts) = growth(made, (1, 2, 4, 8, 16), 3)
     assert fit.exponent == pytest.approx(1.5, abs=1e-9)
     assert fit.sizes == (1, 2, 4, 8, 16)
+    assert {g.what for g in counts} == {"operations, dense", "operations, sparse"}
 
 
 def test_counted_work_knows_no_machine(cost: Cost) -> None:
@@ -82,7 +85,8 @@ def test_counted_work_knows_no_machine(cost: Cost) -> None:
 def test_what_users_meet(cost: Cost) -> None:
     frame = cost.to_frame()
     assert {"method", "elements", "seconds_a_pose", "build_s", "solve_s", "dofs"} <= set(frame)
-    endings = ["-elements", "-growth", "-work", "-batches", "-claims"]
+    endings = ["-elements", "-growth", "-work", "-batches", "-ratios", "-simulators", "-cores",
+               "-peers", "-claims"]  # fmt: skip
     assert list(cost.tables()) == endings
     assert all(table.rows for table in cost.tables().values())
     assert cost.plot() is not None
@@ -94,3 +98,38 @@ def test_what_users_meet(cost: Cost) -> None:
 def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
     own = replace(cost, case=replace(CASE, name="mine", published=""))
     assert "-claims" not in own.tables()
+
+
+def test_the_plain_assembly_is_the_same_pair() -> None:
+    for s in (1, 2, 3, 8):
+        own = Substructure(s).matrices(CASE.mechanism, CASE.pose)
+        for plain, ours in zip(plain_pair(CASE.mechanism, CASE.pose, s), own, strict=True):
+            scale = np.abs(plain).max()
+            np.testing.assert_allclose(ours.toarray(), plain, atol=1e-13 * scale)
+
+
+def test_ratios_are_of_what_they_say(cost: Cost) -> None:
+    for one in cost.plain:
+        assert (one.own > 0).all() and (one.yard > 0).all()
+        low, middle, high = one.quartiles
+        assert low <= middle <= high
+    whats = [one.what for one in cost.plain]
+    assert len(set(whats)) == len(whats)
+    assert {"modes of s=3", "exact modes, certified", "condensed, s=64, 100 poses"} <= set(whats)
+
+
+def test_simulators_say_where_their_time_goes(cost: Cost) -> None:
+    simulated = [t for t in cost.elements if t.way.model.info().isolated]
+    assert {t.way.method for t in simulated} == {"exudyn-cable", "mujoco-cable"}
+    for t in simulated:
+        assert t.phases["simulator"] > 0 and t.phases["projection"] > 0
+    for t in cost.elements:
+        assert t in simulated or sum(v for k, v in t.phases.items() if k) == 0
+
+
+def test_every_core_has_its_poses(cost: Cost) -> None:
+    assert cost.many[0].cores == 1
+    for one in cost.many:
+        assert one.poses == 200 * one.cores
+        assert one.rate == pytest.approx(6 * one.poses / one.seconds)
+        assert not one.megabytes <= 10  # NaN where the system does not say
