@@ -16,7 +16,10 @@ from harness.text import request
 from reference_models import ModelError, UnavailableError
 
 TOP = "# {title}\n\nFrom `rps-bench reproduce`, about the cases {cases}. {more}\n"
-SUMMARY = "All that was found is in `findings.md`, what holds seconds in `seconds.md`."
+WHERE = (
+    "Where to look: `table1.md` has every frequency, `findings.md` all that was found, "
+    "`seconds.md` what holds seconds, `index.html` all of it with figures."
+)
 FINDINGS = "This depends on the programs alone; `seconds.md` differs from run to run."
 SECONDS = "These differ from run to run; `findings.md` has what does not."
 
@@ -81,7 +84,7 @@ def summaries(plan: Plan, parts: Sequence[Part]) -> dict[str, bytes]:
     cases = ", ".join(plain(case.name) for case in plan.cases)
     lasting, timed = ([p for p in parts if p.entry.timed is kind] for kind in (False, True))
     files = {
-        "summary.md": TOP.format(title="Summary", cases=cases, more=SUMMARY) + "\n" + short(lasting)
+        "summary.md": f"# Summary of {cases}\n\n{short(lasting)}\n{WHERE}\n",
     }
     for name, title, more, some in (
         ("findings.md", "Findings", FINDINGS, lasting),
@@ -96,8 +99,9 @@ def summaries(plan: Plan, parts: Sequence[Part]) -> dict[str, bytes]:
 
 
 def short(parts: Sequence[Part]) -> str:
-    """Return the most important sentences, one a line."""
-    lead = [
-        (part.entry.title, line) for part in parts for line in part.sentences()[: part.entry.lead]
-    ]
-    return "".join(f"- {title}: {line}\n" for title, line in lead)
+    """Return the verdict, and the findings that belong in one screen, a number each."""
+    said = [(part.entry.lead, part.sentences()) for part in parts]
+    lead = [line for number, lines in said for line in lines[:number]]
+    lead = lead or [line for _, lines in said for line in lines[:1]]
+    found = [f"{k}. {line}\n" for k, line in enumerate(lead[1:], 1)]
+    return "".join([f"{line}\n" for line in lead[:1]] + ["\n"] * bool(found) + found)

@@ -30,6 +30,7 @@ def reproduce(
     entries = job.chosen(None if only is None else split("only", only))
     parts, written = [], 0
     with Bar() as bar, Bench(time_limit, bar) as bench:
+        bar.parts("the whole job", sum(entry.share for entry in entries))
         for k, entry in enumerate(entries, 1):
             bar.part(f"{k} of {len(entries)}, {entry.title}")
             for part in job.reproduce([entry], asked, bench):
@@ -38,6 +39,7 @@ def reproduce(
                     files |= result_files(result, stem)
                 written += len(write_all(output, files))
                 parts.append(part)
+            bar.finished(entry.share)
     results = {stem: result for part in parts for stem, result in part.results.items()}
     kept = finish(results, None, history)
     last = job.summaries(asked, parts)

@@ -45,11 +45,20 @@ class Bar:
         )
         self._task = self._bar.add_task("starting", total=0)
         self._total, self._part = 0, ""
+        self._all: Any = None
+
+    def parts(self, what: str, total: int) -> None:
+        """Take in that the job has parts, of `total` shares of its time: a bar for all of it."""
+        self._all = self._bar.add_task(what, total=total)
 
     def part(self, what: str) -> None:
         """Take in that another part begins, whose steps are counted anew."""
         self._total, self._part = 0, f"{what}: "
         self._bar.reset(self._task, total=0, description=what)
+
+    def finished(self, share: int) -> None:
+        """Take in that a part is finished, and what its share was."""
+        self._bar.update(self._all, advance=share)
 
     def expect(self, number: int) -> None:
         """Take in that so many more steps are to come."""

@@ -24,7 +24,8 @@ STANDARD = ("cases", "case_file", "references", "elements", "modes", "model", "s
 class Entry:
     """One study: `name` of its command, `module`, and what it shows, in a whole sentence.
 
-    `timed`: whether its answer holds seconds, which differ from run to run; `lead`: how many of its
+    `share`: its part of the main job's time, in per cent as once measured, for the bar; `timed`:
+    whether its answer holds seconds, which differ from run to run; `lead`: how many of its
     sentences belong in a summary.
     """
 
@@ -32,8 +33,9 @@ class Entry:
     module: str
     help: str
     title: str
+    share: int = 3
     timed: bool = False
-    lead: int = 1
+    lead: int = 0
 
     def load(self) -> ModuleType:
         """Return the module, loaded now."""
@@ -43,33 +45,42 @@ class Entry:
 STUDIES = (
     Entry("table", "harness.studies.table",
           "Compare models at cases as Table I does, beside what the paper prints.", "Table I",
-          lead=4),
+          share=2, lead=3),
     Entry("convergence", "harness.studies.convergence",
           "Show the error against the number of elements s, as Fig. 3 does.",
-          "Fig. 3 and discretisation"),
+          "Fig. 3 and discretisation",
+          share=1, lead=1),
     Entry("refine", "harness.studies.refinement",
           "Read the observed order, the limit and its uncertainty from three meshes.",
-          "Order, limit and uncertainty of every model"),
+          "Order, limit and uncertainty of every model",
+          share=6),
     Entry("budget", "harness.studies.budget",
           "Split the error into its causes: elements, rotary inertia, shear and what remains.",
-          "Error budget", lead=0),
+          "Error budget",
+          share=3),
     Entry("slenderness", "harness.studies.slenderness",
-          "Compare beam theories with solids as rods grow stout.", "Slenderness"),
+          "Compare beam theories with solids as rods grow stout.", "Slenderness",
+          share=3, lead=1),
     Entry("shapes", "harness.studies.shapes",
           "Draw mode shapes beside a reference's, as Figs. 4 and 5 do.",
-          "Mode shapes, Figs. 4 and 5"),
+          "Mode shapes, Figs. 4 and 5",
+          share=4, lead=1),
     Entry("work-precision", "harness.studies.precision",
           "Set time against error for every model, and name the cheapest way to a precision.",
-          "Work and precision", timed=True),
+          "Work and precision",
+          share=23, timed=True),
     Entry("cost", "harness.studies.cost",
           "Measure the cost against elements and poses, as ratios within one run.", "Cost",
-          timed=True),
+          share=28, timed=True),
     Entry("workspace", "harness.studies.workspace",
-          "Map the frequencies over the regular workspace, as Fig. 6 does.", "Workspace, Fig. 6"),
+          "Map the frequencies over the regular workspace, as Fig. 6 does.", "Workspace, Fig. 6",
+          share=5),
     Entry("claims", "harness.studies.claims",
-          "Judge every statement of the paper that can be checked.", "Claims", timed=True),
+          "Judge every statement of the paper that can be checked.", "Claims",
+          share=20, timed=True),
     Entry("identify", "harness.studies.identification",
-          "Find which mechanism a table of frequencies belongs to.", "Identification"),
+          "Find which mechanism a table of frequencies belongs to.", "Identification",
+          share=5),
 )  # fmt: skip
 
 

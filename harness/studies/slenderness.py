@@ -114,22 +114,21 @@ class Slenderness(Result):
         return {"": figure}
 
     def sentences(self) -> list[str]:
-        """Return the largest errors of the theories for the most slender and the stoutest rods."""
+        """Return every theory's largest error for the most slender and the stoutest rods."""
         lines = []
-        for k in dict.fromkeys((0, len(self.ratios) - 1)):
-            worst, sure = [], np.array([self.uncertainty[case][k] for case in self.cases])
-            for theory in self.theories:
-                errors = np.array([self.errors[case, theory][k] for case in self.cases])
-                found, own = np.abs(at(errors, self.shown)), at(sure, self.shown)
-                if np.isfinite(found).any():
-                    place = int(np.nanargmax(found))
-                    bar = f" +-{own.flat[place]:.1g}" if np.isfinite(own.flat[place]) else ""
-                    worst.append(f"{found.flat[place]:.2g}{bar} % (exact {theory.name})")
-            if worst:
-                lines.append(
-                    f"At d/L = {self.ratios[k]:g} beam theory is up to {' and '.join(worst)} from "
-                    f"{self.reference.label}."
-                )
+        for theory in reversed(self.theories):
+            for k in dict.fromkeys((0, len(self.ratios) - 1)):
+                errors = at(np.array([self.errors[case, theory][k] for case in self.cases]),
+                            self.shown)  # fmt: skip
+                sure = at(np.array([self.uncertainty[case][k] for case in self.cases]), self.shown)
+                if np.isfinite(errors).any():
+                    place = int(np.nanargmax(np.abs(errors)))
+                    worst, own = abs(errors.flat[place]), sure.flat[place]
+                    bar = f" +-{own:.1g}" if np.isfinite(own) else ""
+                    lines.append(
+                        f"At d/L = {self.ratios[k]:g} exact {theory.name} lies within "
+                        f"{worst:.2g}{bar} % of {self.reference.label}."
+                    )
         return lines
 
 

@@ -150,12 +150,12 @@ class TableOne(Result):
         return Table("Every reference beside the theory [Hz]", columns, tuple(rows), notes)
 
     def sentences(self) -> list[str]:
-        """Return what agrees with the printed table, what elements and theory cost, and why."""
+        """Return what elements and theory cost, and what agrees with the printed table."""
         theory = self.theories[0]
         known = [case for case in self.study.complete(theory) if case.published]
-        lines = against_print(self.study, theory, known) if known else []
+        lines = causes(self.study, theory)
+        lines += against_print(self.study, theory, known) if known else []
         lines += against_paper(self.study, theory)
-        lines += causes(self.study, theory)
         for model in self.references:
             limit = model.limit()
             worst = _worst(self.study, model, limit) if limit not in (None, model) else None
@@ -245,9 +245,10 @@ def against_print(study: Study, theory: Model, known: Sequence[Case]) -> list[st
     agreeing = int((np.abs(off) <= AGREES).sum())
     wrong = [mode for case in known for mode in _not_following(case)]
     return [
-        f"{agreeing} of the {len(off)} printed theoretical values agree with {label(theory)} at "
-        f"the parameters read from the paper to {AGREES} %; ours lie {span(off, signed=True)} from "
-        "them.",
+        f"Of {len(off)} printed theoretical values {agreeing or 'none'} "
+        f"{'agree' if agreeing > 1 else 'agrees'} with {label(theory)} to {AGREES} %.",
+        f"At the parameters read from the paper {label(theory)} lies {span(off, signed=True)} from "
+        "the printed theoretical values.",
         f"{len(wrong)} of the {6 * len(known)} errors that Table I prints do not follow from the "
         f"digits of the two rows above them: {', '.join(wrong) or 'none'}.",
     ]
@@ -273,18 +274,34 @@ def causes(study: Study, theory: Model) -> list[str]:
     if limit is None:
         return lines
     own = None if limit == theory else _worst(study, theory, limit)
+    richer = next(iter(exact_chain(theory)[1:][-1:]), None)
+    beam = np.empty((0, 0)) if richer is None else np.abs(errors(study, limit, richer))
+    told = bool(np.isfinite(beam).any())
     if own is not None:
-        lines.append(f"The number of elements ({label(theory)}) costs {at_most(own)}.")
-    for richer in exact_chain(theory)[1:][-1:]:
-        beam = errors(study, limit, richer)
-        if np.isfinite(beam).any():
-            groups = [("f1-f3", beam[:, :3]), ("f4-f6", beam[:, 3:6])]
-            costs = " and ".join(f"{span(part)} on {name}" for name, part in groups if part.size)
-            lines.append(
-                f"Beam theory ({label(limit)} against {label(richer)}, both without elements) "
-                f"costs {costs}, and no number of elements removes that."
+        lines.append(_of_elements(theory, own, float(np.nanmax(beam)) if told else None))
+    if richer is not None and told:
+        groups = [("f1-f3", beam[:, :3]), ("f4-f6", beam[:, 3:6])]
+        lines.append(
+            "Beam theory costs "
+            + " and ".join(
+                f"up to {percent(np.nanmax(part))} on {name}" for name, part in groups if part.size
             )
+            + f", and no number of elements removes that ({label(limit)} against {label(richer)})."
+        )
     return lines
+
+
+def _of_elements(theory: Model, own: float, beam: float | None) -> str:
+    """Return whether elements are enough: whether they cost less than the beam theory does [%]."""
+    one = theory.elements == 1
+    few = f"{theory.elements} element{'' if one else 's'} a limb"
+    cost = f"{'it costs' if one else 'they cost'} {at_most(own)}"
+    name = label(theory)
+    if beam is None:
+        return f"{few} {'costs' if one else 'cost'} {at_most(own)} ({name})."
+    if own < beam:
+        return f"{few} {'is' if one else 'are'} enough: {cost}, less than beam theory ({name})."
+    return f"{few} {'is' if one else 'are'} too few: {cost}, more than beam theory ({name})."
 
 
 def closest_readings(readings: Sequence[Study]) -> list[str]:
