@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from numbers import Integral, Real
 from time import perf_counter
 
 import numpy as np
@@ -40,11 +41,14 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     Frequencies are finite, not negative and ascend; shapes have the right form, are finite and of
     unit modal mass; limbs end at their bases and at the platform; joints are closed.
     """
-    if not isinstance(answer, Modes):
+    if type(answer) is not Modes:  # of another class anything may happen where it is read
         raise ModelError(f"it answered {type(answer).__name__}, where Modes were expected")
-    frequencies = _frequencies(answer, count)
-    _form(answer, mechanism)
     modes = answer
+    _told(modes)
+    frequencies = _frequencies(modes, count)
+    _form(modes, mechanism)
+    # Its own arrays, whatever the model does with its memory next; a -0.0 is 0.
+    modes = replace(modes, frequencies=frequencies + 0.0)
     if (np.diff(frequencies) < 0).any():
         raise ModelError("its frequencies do not ascend")
     _joints(modes, mechanism, pose)
@@ -127,10 +131,34 @@ def _extrapolated(
     return extrapolated(meshes[0], meshes[1], elements, order, mechanism, pose, count)
 
 
+def _told(modes: Modes) -> None:
+    """Refuse an answer whose arrays are no plain arrays of float64, or whose words are none.
+
+    Single precision has seven digits, a whole number of hertz three; a masked value is none.
+    """
+    arrays = ("frequencies", "platform", "limbs", "uncertainty")
+    for name in arrays[: 3 if modes.uncertainty is None else 4]:
+        value = getattr(modes, name)
+        if type(value) is not np.ndarray:
+            raise ModelError(f"its {name} are a {type(value).__name__}, not an array")
+        if value.dtype != np.float64:
+            raise ModelError(f"its {name} have type {value.dtype}, not float64")
+    for name in ("theory", "model", "version"):
+        if not isinstance(getattr(modes, name), str):
+            raise ModelError(f"its {name} is {getattr(modes, name)!r}, where a text was expected")
+    for name in ("dofs", "build_seconds", "solve_seconds", "residual"):
+        value = getattr(modes, name)
+        if value is None and name == "residual":
+            continue
+        kind = Integral if name == "dofs" else Real
+        if not isinstance(value, kind) or isinstance(value, bool) or not float(value) >= 0:
+            raise ModelError(f"its {name} is {value!r}, where a number was expected")
+
+
 def _frequencies(modes: Modes, count: int) -> Array:
-    f = np.asarray(modes.frequencies)
-    if f.ndim != 1 or f.dtype.kind not in "fiu":
-        raise ModelError(f"its frequencies have shape {f.shape} and type {f.dtype}, not ({count},)")
+    f = modes.frequencies
+    if f.ndim != 1:
+        raise ModelError(f"its frequencies have shape {f.shape}, not ({count},)")
     if len(f) != count:
         raise ModelError(f"it gave {len(f)} modes, where {count} were asked for")
     bad = f[~np.isfinite(f)]

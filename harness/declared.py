@@ -23,6 +23,8 @@ CLEAR = 4
 """Neighbours further apart than this many deviations are told apart."""
 REPEATED = 1e-6
 """Relative distance below which neighbours are one repeated mode."""
+EXCHANGED = 1e-2
+"""Relative distance of neighbours whose shapes a coarse mesh may mix."""
 SAME = 1e-6
 """Largest relative difference of a model without elements from the exact limit."""
 COARSE = 2.0
@@ -103,6 +105,24 @@ def moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
     return np.asarray(np.linalg.norm(mass_vectors(modes, mechanism, pose), axis=1) >= STILL)
 
 
+def _shapes(
+    found: Array, truth: Array, scale: Array, partner: NDArray[np.intp], sure: NDArray[np.bool_]
+) -> None:
+    """Refuse frequencies that fit by order, but not by the shapes that they came with.
+
+    Of modes that a mesh has in another order it is the other way round.
+    """
+    number = len(found)
+    by_order = float((np.abs(found - truth[:number]) / scale[:number]).max())
+    by_shape = np.where(sure, np.abs(found - truth[partner]) / scale[partner], 0.0)
+    if by_shape.max() > CLEAR * by_order + EXCHANGED:
+        i = int(by_shape.argmax())
+        raise ModelError(
+            f"the shape of its f{i + 1}, {found[i]:.6g} Hz, is that of {truth[partner[i]]:.6g} Hz "
+            "of the theory that it declares: shapes are exchanged"
+        )
+
+
 def _count(modes: Modes, exact: Modes, scale: Array, mechanism: Mechanism, pose: Pose) -> None:
     """Refuse `modes` with more or fewer of them below a gap of the `exact` ones.
 
@@ -113,6 +133,7 @@ def _count(modes: Modes, exact: Modes, scale: Array, mechanism: Mechanism, pose:
     pairing = pair(modes, exact, mechanism, pose)
     partner = pairing.partner
     away = np.abs(found - truth[partner])
+    _shapes(found, truth, scale, partner, ~pairing.doubtful)
     worst = float((away / scale[partner])[~pairing.doubtful].max(initial=0.0))
     deviation = float(np.median(away / scale[partner])) * scale
     deviation[partner] = np.maximum(deviation[partner], away)

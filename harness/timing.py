@@ -75,6 +75,11 @@ class Call:
     number: int
     first: int
 
+    @property
+    def model(self) -> Model:
+        """Whose code runs."""
+        return self.way.model
+
     def solve(self) -> "Spent":
         """Return the seconds of a call and the answers of the last."""
         model, poses = self.way.model, self.way.poses

@@ -32,16 +32,24 @@ START = 120.0
 """A process that is not ready after this many seconds never will be."""
 TRIES = 2
 """How often a job is tried whose process dies."""
+LONG = 1000
+"""Letters of an error that are passed on."""
 GRACE = 1.0
 """Seconds that a process has to end what it runs, before it is ended itself."""
 LOOK = 0.5
 """Seconds after which a process looks whether its parent is still there."""
+OURS = ""
+"""The owner of the bench's own tasks; others are named by their package."""
 PREFIX = "rps-bench-"
 """What the names of temporary folders begin with; the parent's process number follows."""
 
 
 class Task(Protocol):
-    """Anything that can be pickled and knows how to solve itself."""
+    """Anything that can be pickled and knows how to solve itself.
+
+    One that has a `model` with an `owner` that is not `OURS` shares its process with that owner's
+    alone: it may change numpy, the working folder or whatever else others count on.
+    """
 
     def solve(self) -> object:
         """Return the answer, or raise what the model raises."""
@@ -67,9 +75,15 @@ def attempt(task: Task) -> object:
     try:
         return task.solve()
     except (ModelError, UnavailableError, InputError) as error:
-        return Failure(str(error))
+        return Failure(_short(str(error)))
     except Exception as error:
-        return Failure(f"{type(error).__name__}: {str(error).strip() or 'no reason given'}")
+        return Failure(f"{type(error).__name__}: {_short(str(error)) or 'no reason given'}")
+
+
+def _short(words: str) -> str:
+    """Return `words` on one line, and not more than fit a sentence."""
+    words = " ".join(words[:LONG].split())
+    return words if len(words) < LONG else f"{words[: LONG - 4]} ..."
 
 
 class Child:
@@ -96,6 +110,7 @@ class Child:
                 start_new_session=True,  # Ctrl-C is for the parent to act on
             )
         self._ready = self._busy = False
+        self.owner = OURS
 
     def solve(self, task: Task, limit: float) -> object:
         """Return the answer within `limit` seconds, or raise `DiedError`; then it is of no use."""
@@ -113,7 +128,14 @@ class Child:
         if not self._line.poll(limit):
             self.close()
             raise DiedError(f"gave no answer within the time limit of {limit:g} s")
-        return self._line.recv()
+        try:
+            return self._line.recv()
+        except (EOFError, OSError):
+            raise
+        except Exception as error:  # whoever writes into the line, or is no longer what it was
+            self.close()
+            why = f"{type(error).__name__}: {_short(str(error))}"
+            raise DiedError(f"its answer cannot be read ({why})") from None
 
     def _ended(self, limit: float) -> str:
         status = self._process.wait()
@@ -137,6 +159,7 @@ class Child:
         with suppress(ProcessLookupError, PermissionError):
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
+        end_all_of(self._folder)
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def close(self) -> None:
@@ -169,7 +192,7 @@ class Children:
         """Solve `task`; where its process dies, try anew up to `tries` times, then say why."""
         reason = ""
         for number in range(1, tries + 1):
-            child = self._take()
+            child = self._take(getattr(getattr(task, "model", None), "owner", OURS))
             if child is None:
                 return Failure("interrupted")
             try:
@@ -192,13 +215,20 @@ class Children:
             return answer
         return Failure(reason)
 
-    def _take(self) -> Child | None:
+    def _take(self, owner: str) -> Child | None:
         with self._lock:
             if self._closed:
                 return None
             if not self._all:
                 sweep_up()
-            child = self._idle.pop() if self._idle else Child(self._launcher)
+            fit = [child for child in self._idle if child.owner in (owner, OURS)]
+            # One that knows the owner's modules already, if there is one.
+            child = max(fit, key=lambda one: one.owner == owner, default=None)
+            if child is None:
+                child = Child(self._launcher)
+            else:
+                self._idle.remove(child)
+            child.owner = owner
             self._all.add(child)
             return child
 
@@ -219,7 +249,22 @@ def sweep_up() -> None:
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*-*"):
         owner = folder.name.removeprefix(PREFIX).partition("-")[0]
         if owner.isdecimal() and not _alive(int(owner)):
+            end_all_of(str(folder))
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def end_all_of(folder: str) -> None:
+    """End the processes whose temporary folder is `folder`, whatever group they are in.
+
+    What leaves its group and outlives its parent is found by its environment, where the system
+    shows that (Linux).
+    """
+    mark = f"TMPDIR={folder}".encode()
+    for about in Path("/proc").glob("[0-9]*/environ"):
+        with suppress(OSError):
+            process = int(about.parent.name)
+            if process != os.getpid() and mark in about.read_bytes().split(b"\0"):
+                os.kill(process, signal.SIGKILL)
 
 
 def _alive(process: int) -> bool:
@@ -243,6 +288,7 @@ def _end_with(parent: int) -> None:
         time.sleep(LOOK)
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(GRACE)
+    end_all_of(os.environ["TMPDIR"])
     shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
     os.killpg(0, signal.SIGKILL)
 

@@ -22,10 +22,13 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
+from reference_models.described import senseless
 from reference_models.protocol import UnavailableError
 from reference_models.richardson import Richardson
 
 GROUP = "rps_bench.reference_models"
+OWN = ("analytic", "reference_models")
+"""Packages of this bench's own models."""
 EXACT = "exact"
 Elements = int | tuple[int, int] | None
 _LABEL = re.compile(r"(?P<name>[^@\[\]]+)(@(?P<elements>[^@\[\]]+))?(\[(?P<settings>[^\[\]]*)\])?")
@@ -56,6 +59,12 @@ class Named:
         own = ",".join(f"{key}={value}" for key, value in self.settings)
         return f"{self.name}@{number}[{own}]" if own else f"{self.name}@{number}"
 
+    @property
+    def owner(self) -> str:
+        """The package that it is from, "" of the bench's own: others may run beside them only."""
+        package = known(self.name, "model").module.partition(".")[0]
+        return "" if package in OWN else package
+
     def info(self) -> Info:
         """Return what the model is, without running it; never raises."""
         return _info(self)
@@ -64,7 +73,7 @@ class Named:
         """Return the model behind the name.
 
         Raises `InputError` for unknown names, settings or elements, and `UnavailableError` where
-        its program is missing.
+        its program is missing or it cannot be built.
         """
         missing = self.info().missing
         if missing:
@@ -148,13 +157,15 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
         given[key.strip()] = _value(value.strip())
     size = _elements(name, info, number, argument, text)
     model = Named(name, size, tuple(sorted(given.items()))).given(**settings)
-    if not info.missing:
+    if not info.missing and (number or own or settings):  # its own defaults are its own fault
         try:
             model.build()
         except InputError as error:
             raise InputError(
                 argument, text, f"elements and settings that {name} has ({error})"
             ) from None
+        except UnavailableError:  # said when it is asked: the others can answer
+            return model
     return model
 
 
@@ -230,11 +241,12 @@ def _info(named: Named) -> Info:
     try:
         if "elements" not in inspect.signature(thing).parameters:
             return _unusable("it takes no elements")
-        info = thing.info()
+        said = thing.info()
     except BaseException as error:
         return _unusable(f"its info() raises {type(error).__name__}: {error}")
-    if not isinstance(info, Info):
-        return _unusable(f"its info() gives {type(info).__name__}, not Info")
+    if why := senseless(said, names()):
+        return _unusable(f"its info() {why}")
+    info: Info = said
     if named.settings and not info.missing:
         try:
             own = _one(named, _coarser(named)).info()
@@ -279,8 +291,15 @@ def _one(named: Named, elements: Elements) -> Any:
     thing = find(named.name)
     if elements is None and thing.info().isolated:
         raise InputError("elements", None, f"a number of elements for {named.name}")
+    given = dict(named.settings)
     try:
-        return thing(elements=elements, **dict(named.settings))
+        inspect.signature(thing).bind(elements=elements, **given)
     except TypeError as error:
-        given = dict(named.settings)
         raise InputError("settings", given, f"settings of {named.name} ({error})") from None
+    try:
+        return thing(elements=elements, **given)
+    except (InputError, UnavailableError):
+        raise
+    except Exception as error:
+        why = f"it cannot be built ({type(error).__name__}: {error})"
+        raise UnavailableError(f"model {named.name!r} cannot run here: {why}") from None

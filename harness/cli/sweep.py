@@ -101,8 +101,6 @@ def sweep(
         processes = len(study.poses) * sum(model.info().isolated for model in everything)
         patience = Patience(time_limit, tries)
         here = stack.enter_context(engine(at_once, scheduler, patience, processes, children))
-        for model in everything:
-            model.build()  # a program that is missing is said now
         if output is None or (dry_run and not (output / NAME).exists()):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         else:

@@ -19,7 +19,7 @@ from harness import answer as answers
 from harness import declared
 from harness.answer import solved
 from harness.history.provenance import provenance
-from reference_models import ModelError
+from reference_models import ModelError, UnavailableError
 
 BATCH = 10 * CHUNK
 """Poses a job of a model that can neither crash nor hang: a fraction of a second's work."""
@@ -136,6 +136,19 @@ def jobs(
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 
 
+def unusable(model: Model) -> str:
+    """Return why a model cannot run here at all, "" if it can."""
+    try:
+        _built(model)
+    except (UnavailableError, InputError) as error:
+        return str(error)
+    return ""
+
+
+def _built(model: Model) -> object:
+    return model.build() if hasattr(model, "build") else model
+
+
 _programs: dict[Model, str] = {}
 _told: dict[tuple[Model, Mechanism, int], Modes] = {}
 
@@ -156,7 +169,10 @@ _said = lru_cache(maxsize=4)(repr)
 def _source(model: Model) -> str:
     """Return a hash of the files behind a model: its own package, or file, `analytic`, and what
     makes and checks an answer."""
-    built = model.build() if hasattr(model, "build") else model
+    try:
+        built = _built(model)
+    except (UnavailableError, InputError):
+        return "none"
     parts = (built, *getattr(built, "__dict__", {}).values())  # an extrapolation holds two models
     names = {"analytic", *(type(part).__module__.partition(".")[0] for part in parts)}
     content = sha256()

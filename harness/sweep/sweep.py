@@ -9,7 +9,7 @@ from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness.bench import label
 from harness.sweep.engine import Engine, run
-from harness.sweep.jobs import BATCH, Answer, Job, jobs
+from harness.sweep.jobs import BATCH, Answer, Job, jobs, unusable
 from harness.sweep.journal import Journal
 from harness.tables import Cell, Number, Table
 from harness.workers import Failure
@@ -58,14 +58,18 @@ def complete(
 
     def missing() -> Iterator[Job]:
         for model in sweep.models:
+            known = unusable(model)
             for job in sweep.jobs(model):
-                if job in journal:
+                if known or job in journal:
                     listener(job)
                 else:
                     yield job
 
     failures: Failures = {}
     solved = 0
+    for model in sweep.models:
+        if why := unusable(model):  # once, not at every pose
+            failures[label(model), why] = list(range(1, len(sweep.poses) + 1))
     for job, result in run(engine, missing()):
         why = result.reason if isinstance(result, Failure) else job.flaw(result)
         if why:
@@ -98,7 +102,8 @@ def estimate(sweep: Sweep, journal: Journal, engine: Engine) -> Table:
         jobs = [(job in journal, len(job.poses)) for job in sweep.jobs(model)]
         total, done = len(jobs), sum(there for there, _ in jobs)
         left = sum(poses for there, poses in jobs if not there)
-        each = _seconds_a_pose(sweep, model, engine)
+        why = unusable(model)
+        each = Failure(why) if why else _seconds_a_pose(sweep, model, engine)
         if isinstance(each, Failure):
             rows.append((label(model), total, done, total - done, "-", each.reason))
             continue

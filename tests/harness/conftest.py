@@ -2,7 +2,7 @@
 
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +35,28 @@ def rps_bench(
         return Answer(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Callable[[dict[str, str]], None]]:
+    """Returns what installs models of tests/plugin for this process and those it starts."""
+    site = tmp_path / "site"
+
+    def install(points: dict[str, str]) -> None:
+        shutil.copytree(Path(__file__).parents[1] / "plugin", site)
+        about = site / "wrong-1.dist-info"
+        about.mkdir()
+        (about / "METADATA").write_text("Metadata-Version: 2.1\nName: wrong\nVersion: 1\n")
+        lines = "".join(f"{name} = {where}\n" for name, where in points.items())
+        (about / "entry_points.txt").write_text(f"[rps_bench.reference_models]\n{lines}")
+        monkeypatch.setenv("PYTHONPATH", str(site))
+        monkeypatch.syspath_prepend(site)
+
+    yield install
+    for module in ("wrong", "nasty"):
+        sys.modules.pop(module, None)
 
 
 @pytest.fixture

@@ -73,4 +73,4 @@ class Backwards(Honest):
 
     @classmethod
     def info(cls) -> Info:
-        return replace(Honest.info(), ladder=(8, 4), limit="euler", version="")
+        return replace(Honest.info(), ladder=(8, 4), version="")

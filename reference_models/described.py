@@ -1,0 +1,41 @@
+"""Whether what a model says of itself can be used at all."""
+
+from collections.abc import Collection
+from dataclasses import fields
+from typing import Any
+
+from analytic.model import Info
+
+_WORDS = {str: "a text", bool: "true or false"}
+
+
+def senseless(info: Any, known: Collection[str]) -> str:
+    """Return what of `info` cannot be used, in words that follow "its info()"; "" if all can.
+
+    `known`: the names of all models.
+    """
+    if not isinstance(info, Info):
+        return f"gives {type(info).__name__}, not Info"
+    for one in fields(Info):
+        value = getattr(info, one.name)
+        expected = _expected(one.name, one.type, value)
+        if expected:
+            return f"says {one.name} = {value!r}, where {expected} was expected"
+    for name in ("limit", "relaxed"):
+        if (other := getattr(info, name)) and other not in known:
+            return f"says {name} = {other!r}, which is no model of the catalogue"
+    return ""
+
+
+def _expected(name: str, kind: Any, value: object) -> str:
+    """Return what was expected where `value` is not of a field's `kind`, "" where it is."""
+    if kind in _WORDS:
+        return "" if isinstance(value, kind) else _WORDS[kind]
+    if kind is float:
+        return "" if isinstance(value, (int, float)) else "a number"
+    if name == "refinements" and value is None:
+        return ""
+    whole = isinstance(value, tuple) and all(type(n) is int and n > 0 for n in value)
+    if isinstance(value, tuple) and whole and (name == "ladder" or len(value) == 2):
+        return ""
+    return "whole numbers of elements" if name == "ladder" else "two numbers of elements, or None"
