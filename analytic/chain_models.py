@@ -68,7 +68,7 @@ def exact_modes(mechanism: Mechanism, pose: Pose, theory: Theory, count: int) ->
     begin = time.perf_counter()
     problem = exact(mechanism, one_pose(mechanism, pose), theory)
     built = time.perf_counter()
-    omega2 = problem.brackets(count).mean(axis=1)
+    omega2 = _middles(problem, count)
     net = problem.cut(float(omega2[-1]))
     groups = np.split(np.arange(count), np.flatnonzero(np.diff(omega2) > REPEATED * omega2[1:]) + 1)
     U = np.empty((net.size, count))
@@ -78,6 +78,11 @@ def exact_modes(mechanism: Mechanism, pose: Pose, theory: Theory, count: int) ->
         problem, net, U, omega2, omega2, "continuum", "rps-bench, Wittrick-Williams", None,
         theory, mechanism, (begin, built),
     )  # fmt: skip
+
+
+def _middles(problem: Exact, count: int) -> Floats:
+    """Return the middles of the brackets, ascending: those of repeated modes differ by rounding."""
+    return np.sort(problem.brackets(count).mean(axis=1))
 
 
 def _modes(
@@ -116,8 +121,7 @@ def frequencies(
     found = np.empty((len(flat), count))
     for i, pose in enumerate(flat):
         if elements is None:
-            omega2 = exact(mechanism, pose, theory).brackets(count).mean(axis=1)
-            found[i] = hertz(omega2)
+            found[i] = hertz(_middles(exact(mechanism, pose, theory), count))
         else:
             found[i] = element_modes(mechanism, pose, theory, elements, count).frequencies
     return found.reshape(*poses.shape, count)

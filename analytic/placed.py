@@ -5,6 +5,7 @@ poses, n the number of limbs alike.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +18,7 @@ from analytic.mechanism import Body, Freedom, Item, Joint, Limb, Link, Mechanism
 from analytic.pose import CLOSURE, Pose, check_poses
 
 Floats = NDArray[np.float64]
+Refuse = Callable[..., None]
 
 ALONG = 1e-6
 """A universal joint whose axis leans from its limb by less than this [rad] turns about one only."""
@@ -194,7 +196,7 @@ def position(mechanism: Mechanism, pose: Pose) -> Floats:
     normals, points, bases, across = _planes(mechanism)
     z = np.asarray(pose.z)[..., None]
     if np.linalg.matrix_rank(normals[:, :2], tol=1e-9) < 2 and not mechanism.simple:
-        raise InputError("pose", f"z={pose.z!r}", "x and y too: no hinges at the base set them")
+        raise InputError("pose", "z alone", "x and y too: no hinges at the base set them")
     arms = points @ pose.rotation.swapaxes(-1, -2)
     gap = ((arms - bases) * normals).sum(axis=-1) + normals[:, 2] * z
     return np.concatenate([-gap @ across.T, z], axis=-1)
@@ -226,10 +228,26 @@ def place(mechanism: Mechanism, pose: Pose) -> list[Placed]:
     reach, or a joint's axes fall together.
     """
     o, R = position(mechanism, pose), pose.rotation
-    return [_placed(group, pose, o, R) for group in alike(mechanism)]
+    return [_placed(group, pose, o, R, refuse) for group in alike(mechanism)]
 
 
-def _placed(group: Alike, pose: Pose, o: Floats, R: Floats) -> Placed:
+def placed_where(mechanism: Mechanism, pose: Pose) -> tuple[list[Placed], NDArray[np.bool_]]:
+    """Return all limbs at `pose`, and where they can be so, pose.shape: elsewhere, nothing is said.
+
+    Raises `InputError` where hinges do not say x and y.
+    """
+    good = np.ones((*pose.shape, 1), dtype=bool)
+
+    def tell(_: Pose, __: Alike, bad: NDArray[Any], *___: Any) -> None:
+        good[...] &= ~np.broadcast_to(bad, (*pose.shape, np.shape(bad)[-1])).any(-1, keepdims=True)
+
+    o, R = position(mechanism, pose), pose.rotation
+    with np.errstate(invalid="ignore", divide="ignore"):
+        groups = [_placed(group, pose, o, R, tell) for group in alike(mechanism)]
+    return groups, good[..., 0]
+
+
+def _placed(group: Alike, pose: Pose, o: Floats, R: Floats, tell: Refuse) -> Placed:
     arms = group.points @ R.swapaxes(-1, -2)
     start, tips = np.broadcast_to(group.bases, arms.shape), o[..., None, :] + arms
     given = np.nansum(group.lengths, axis=1)
@@ -239,7 +257,7 @@ def _placed(group: Alike, pose: Pose, o: Floats, R: Floats) -> Placed:
         far = (span * axis).sum(axis=-1)
         left = given**2 - ((span * span).sum(axis=-1) - far**2)
         beside = np.sqrt(np.maximum(-left, 0.0))
-        refuse(pose, group, left <= 0, beside, "rods that reach from slider to A_{}, too short by"
+        tell(pose, group, left <= 0, beside, "rods that reach from slider to A_{}, too short by"
                " the leg of a right triangle of {:.3e} m")  # fmt: skip
         root = np.sqrt(np.maximum(left, 0.0))
         start = start + (far + (root if group.slider == "above" else -root))[..., None] * axis
@@ -247,12 +265,12 @@ def _placed(group: Alike, pose: Pose, o: Floats, R: Floats) -> Placed:
     total = np.sqrt((span * span).sum(axis=-1))
     left = total - given
     if not group.slider:
-        refuse(pose, group, left <= CLOSURE, left,
+        tell(pose, group, left <= CLOSURE, left,
                "something left to what adapts, not {1:.3e} m in limb {0}")  # fmt: skip
     z = span / np.where(total > 0, total, 1.0)[..., None]
     x = np.cross(group.towards, z)
     size = np.linalg.norm(x, axis=-1)
-    refuse(
+    tell(
         pose, group, size < ALONG, size, "a reference across limb {}, not {:.1e} rad from along it"
     )
     x = x / size[..., None]
@@ -261,11 +279,11 @@ def _placed(group: Alike, pose: Pose, o: Floats, R: Floats) -> Placed:
     so_far = np.concatenate([np.zeros((*total.shape, 1)), np.cumsum(lengths, axis=-1)], axis=-1)
     starts = start[..., None, :] + so_far[..., None] * z[..., None, :]
     found = Placed(group, frames, arms, lengths, starts, R)
-    _closed(found, pose, total)
+    _closed(found, pose, total, tell)
     return found
 
 
-def _closed(found: Placed, pose: Pose, total: Floats) -> None:
+def _closed(found: Placed, pose: Pose, total: Floats, tell: Refuse) -> None:
     """Refuse hinges not square to their limb, and universal joints along it or out of line."""
     group, z = found.alike, found.frames[..., 2]
     ends: list[Floats] = []
@@ -275,7 +293,7 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
         ideal = [f for f in turns if not of.stiffness[:, f].any()]
         if len(ideal) == 1 and not of.across[ideal[0]]:
             lean = np.abs((axes[turns.index(ideal[0])] * z).sum(axis=-1))
-            refuse(pose, group, (lean > SQUARE) & (lean * total > CLOSURE), lean * total,
+            tell(pose, group, (lean > SQUARE) & (lean * total > CLOSURE), lean * total,
                    "A_i in its revolute joint's plane, not A_{} {:.1e} m beside it")  # fmt: skip
         for f in turns:
             if not of.across[f]:
@@ -283,12 +301,12 @@ def _closed(found: Placed, pose: Pose, total: Floats) -> None:
             across = np.cross(axes[turns.index(f)], z)
             size = np.linalg.norm(across, axis=-1)
             expected = "universal joints across, not that of limb {} {:.1e} rad from along"
-            refuse(pose, group, size < ALONG, size, expected)
+            tell(pose, group, size < ALONG, size, expected)
             if f in ideal and len(turns) == 2:
                 ends.append(across / size[..., None])
     if len(ends) == 2:
         lean = np.linalg.norm(np.cross(ends[0], ends[1]), axis=-1)
-        refuse(pose, group, lean > SQUARE, lean,
+        tell(pose, group, lean > SQUARE, lean,
                "universal joints in line, not those of limb {} {:.1e} rad out of it")  # fmt: skip
 
 

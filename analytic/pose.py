@@ -243,7 +243,11 @@ def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
 
 
 def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
-    """Return where `position` has an answer: all joints close, shape pose.shape."""
+    """Return where limbs can be placed: all joints close, shape pose.shape."""
+    if isinstance(mechanism, Mechanism) and not mechanism.simple:
+        from analytic import placed  # which needs the poses
+
+        return placed.placed_where(mechanism, pose)[1]
     found = _closure(mechanism, pose)
     lengths = np.linalg.norm(found.vectors, axis=-1)
     good = (np.abs(found.off_plane) <= CLOSURE) & (lengths > CLOSURE)

@@ -12,7 +12,9 @@ from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
 from analytic.errors import NotCertifiedError
 from analytic.model import Info, Model
 from analytic.pairing import mass_vectors
-from harness.declared import COARSE, STILL, asked, keeps, torsion
+from analytic.placed import place
+from harness.causes import RICHEST
+from harness.declared import COARSE, SAME, STILL, asked, keeps, torsion
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated
@@ -79,11 +81,14 @@ def believed(
         found = call(model, count)
     modes = checked(found, info, mechanism, pose, count)
     limit = model.limit()
-    if limit is None or limit == model:
+    if limit == model or (limit is None and mechanism.simple):
         return modes
     try:
-        exact = known(limit, asked(mechanism, count))
+        exact = known(limit or RICHEST, asked(mechanism, count))
     except ModelError:  # the limit cannot be certified here: it is no fault of the model's
+        return modes
+    if limit is None:
+        _near(modes, exact)
         return modes
     keeps(modes, info, model.elements, exact, mechanism, pose)
     return modes
@@ -201,15 +206,39 @@ def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
     largest = np.abs(modes.limbs).max(axis=(1, 2, 3), initial=0.0)
     largest = np.maximum(largest, np.abs(tips).max(axis=(1, 2)))
     largest = np.maximum(largest, STILL * largest.max())  # of one that moves neither: rounding
+    base, tip = _held(mechanism, pose)
     checks = (
-        ("limbs leave the platform's points", modes.limbs[:, :, -1] - tips),
-        ("limbs leave their bases", modes.limbs[:, :, 0]),
+        ("limbs leave the platform's points", _seen(modes.limbs[:, :, -1] - tips, tip)),
+        ("limbs leave their bases", _seen(modes.limbs[:, :, 0], base)),
     )
-    # Other chains give way at their ends as far as their springs do.
-    for what, off in checks if mechanism.simple else ():
+    for what, off in checks:
         far = np.abs(off).max(axis=(1, 2)) > TOGETHER * largest
         if far.any():
             raise ModelError(f"in the shape of mode {int(far.argmax()) + 1} {what}")
+
+
+def _held(mechanism: Mechanism, pose: Pose) -> tuple[Array, Array]:
+    """Return projectors on where the joints before the first and after the last rod of every limb
+    let its line move by nothing, at the base and at A_i, each (n, 3, 3).
+    """
+    found = np.empty((2, len(mechanism.limbs), 3, 3))
+    for group in place(mechanism, pose):
+        rods = group.alike.rods
+        for end, at, joints in (
+            (0, 0, [k for k in group.alike.freedoms if k < rods[0]]),
+            (1, -1, [k for k in group.alike.freedoms if k > rods[-1]]),
+        ):
+            ways = [np.zeros((len(group.alike.limbs), 3, 0))]
+            for k in joints:
+                twists, arm = group.twists(k), group.starts[:, at] - group.starts[:, k]
+                ways.append(twists[:, :3] + np.cross(twists[:, 3:], arm[..., None], axis=1))
+            free = np.concatenate(ways, axis=-1)
+            found[end][group.alike.limbs] = np.eye(3) - free @ np.linalg.pinv(free, rcond=SAME)
+    return found[0], found[1]
+
+
+def _seen(off: Array, held: Array) -> Array:
+    return np.asarray(np.einsum("nij,mnj->mni", held, off))
 
 
 def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: Pose) -> None:
@@ -224,11 +253,25 @@ def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: P
     if wrong.any():
         raise ModelError(f"mode {int(wrong.argmax()) + 1} moves nothing, and no rod twists there")
     # Far up, sections may turn and lines hardly move.
-    low = np.cumsum(~still) <= LOWEST
-    wrong = ~still & ((mass > HEAVIEST) | (low & (mass < LIGHTEST)))
+    low = ~still & (np.cumsum(~still) <= LOWEST)
+    light = low & (mass < LIGHTEST)
+    if not mechanism.simple:  # limbs between springs may twist, and move their lines a little
+        light &= not (low & (mass >= LIGHTEST)).any()
+    wrong = (~still & (mass > HEAVIEST)) | light
     if wrong.any():
         i = int(wrong.argmax())
         raise ModelError(f"mode {i + 1} has a modal mass of {mass[i]:.3g}, where 1 was expected")
+
+
+def _near(modes: Modes, exact: Modes) -> None:
+    """Refuse frequencies far from those of exact sheared beams: what else holds of any chain."""
+    first = int((exact.frequencies == 0).sum())
+    own, beams = modes.frequencies[first:], exact.frequencies[first:]
+    if len(own) and not 1 / STIFF <= own[0] / beams[0] <= SOFT:
+        raise ModelError(
+            f"its f{first + 1} is {own[0]:.4g} Hz, where exact beams have {beams[0]:.4g} Hz: is it "
+            "in hertz?"
+        )
 
 
 def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> None:
@@ -239,7 +282,7 @@ def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> No
     shear and joints between rigid segments shift it, but a wrong unit is a factor of six or more.
     """
     if not mechanism.simple:
-        return  # of rods alone this is no bound where joints give way
+        return  # joints that give way hold energy too: see `_near`
     limbs, h = limbs_at(mechanism, pose), STATIONS[1]
     u, v, w = np.einsum("mikc,icd->dmik", modes.limbs, limbs.frames)
     # The clamp lets the limb neither move nor turn across its axis (v); about it (u) it is free.

@@ -7,6 +7,8 @@ from reference_models import Named, accepted
 
 THEORIES = ("euler-bernoulli", "rayleigh", "timoshenko")
 """Beam theories from the poorest to the richest; each adds one effect."""
+RICHEST = Named(THEORIES[-1], None)
+"""The exact model of the richest of them."""
 EFFECTS = dict(zip(pairwise(THEORIES), ("rotary inertia", "shear"), strict=True))
 """What each theory adds to the one before it."""
 

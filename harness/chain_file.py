@@ -31,6 +31,7 @@ from analytic import (
     Section,
 )
 from analytic.errors import count, number, vector
+from harness.poses import LENGTHS, NAMES, stated, turn
 
 Table = dict[str, Any]
 Three = tuple[float, float, float]
@@ -246,28 +247,30 @@ def _one(name: Any, where: str, known: Mapping[str, Any]) -> Any:
     return known[name]
 
 
-POSE = (
-    "z_mm", "azimuth_deg", "tilt_deg", "torsion_deg", "x_mm", "y_mm", "position_mm", "rotation",
-)  # fmt: skip
+SHORT = {f"{name}_{'mm' if name in LENGTHS else 'deg'}": name for name in NAMES}
+"""Keys of a pose's numbers, and which each is."""
+POSE = (*SHORT, "position_mm", "rotation")
 """The keys that say a pose."""
 
 
 def read_pose(table: Table, where: str) -> Pose:
-    """Return the pose of a case: z, azimuth and tilt (x, y, torsion), or position and rotation."""
+    """Return the pose of a case: z, azimuth and tilt (torsion, x, y); x, y and torsion; x, y, z,
+    yaw, pitch and roll; or position and rotation.
+    """
     if "position_mm" in table:
-        for key in POSE[:6]:
+        for key in SHORT:
             if key in table:
                 raise InputError(where, key, "no other key of a pose beside position_mm")
         at = _metres(table["position_mm"], f"{where}.position_mm")
         return Pose.at(at, _rotation(table.get("rotation"), f"{where}.rotation"))
     if "rotation" in table:
         raise InputError(where, "rotation", "position_mm with it")
-    across = {key[0]: get(table, where, key) / 1000 for key in ("x_mm", "y_mm") if key in table}
-    return Pose(
-        get(table, where, "z_mm") / 1000,
-        *(get(table, where, key, 0.0) * DEGREES for key in POSE[1:4]),
-        **across,
-    )
+    if "z_mm" not in table and not ("x_mm" in table and "y_mm" in table):
+        get(table, where, "z_mm")  # refuses that there is none
+    return stated({
+        name: get(table, where, key) * (1e-3 if name in LENGTHS else DEGREES)
+        for key, name in SHORT.items() if key in table
+    })  # fmt: skip
 
 
 def _rotation(given: Any, where: str) -> Any:
@@ -278,11 +281,10 @@ def _rotation(given: Any, where: str) -> Any:
     if "axis" in given:
         n = np.array(vector(f"{where}.axis", given["axis"], "three numbers"))
         return _about(n / np.linalg.norm(n), get(given, where, "angle_deg") * DEGREES)
-    turns = (
-        _about(np.eye(3)[k], get(given, where, key, 0.0) * DEGREES)
-        for k, key in ((2, "yaw_deg"), (1, "pitch_deg"), (0, "roll_deg"))
+    yaw, pitch, roll = (
+        turn(axis, get(given, where, key, 0.0) * DEGREES)
+        for axis, key in ((2, "yaw_deg"), (1, "pitch_deg"), (0, "roll_deg"))
     )
-    yaw, pitch, roll = turns
     return yaw @ pitch @ roll
 
 

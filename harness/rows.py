@@ -8,6 +8,7 @@ from typing import Any
 from analytic import Mechanism, Modes
 from analytic.model import Model
 from harness.cases import Case
+from harness.poses import columns
 
 MANY_POSES = GATE, MAP, SWEEP = "workspace", "map", "sweep"
 """What `case` says in the history of poses without a name: of `check`, of `workspace` and `claims`,
@@ -23,9 +24,7 @@ def mode_rows(
         {
             "case": case.name,
             "mechanism": mechanism_hash(case.mechanism),
-            "z_m": case.pose.z,
-            "azimuth_rad": case.pose.azimuth,
-            "tilt_rad": case.pose.tilt,
+            **columns(case.pose),
             "model": model,
             "theory": modes.theory,
             "settings": settings,

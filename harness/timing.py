@@ -7,7 +7,7 @@ that may crash is timed inside its own process: handing the answer over is no co
 import gc
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -107,7 +107,7 @@ class Call:
 
 
 def _moved(pose: Pose, shift: float) -> Pose:
-    return Pose(pose.z + shift, pose.azimuth, pose.tilt)
+    return replace(pose, z=pose.z + shift)
 
 
 @dataclass(frozen=True)
@@ -309,18 +309,20 @@ def poses_around(case: Case, count: int) -> Pose:
     """Return `count` poses, the case's own first, the same ones every time.
 
     Heights 0.8 to 1.3 times the case's, any azimuth, tilts to 20 degrees; a pose that the joints
-    do not reach has the case's own azimuth and tilt.
+    do not reach has the case's own azimuth and tilt, and then its height. All else is the case's.
     """
     random = np.random.default_rng(0)
     pose = case.pose
     z = pose.z * random.uniform(0.8, 1.3, count)
     azimuth = random.uniform(-np.pi, np.pi, count)
     tilt = np.radians(random.uniform(-20, 20, count))
-    z[0] = pose.z
-    far = ~closes(case.mechanism, Pose(z, azimuth, tilt))
-    far[0] = True
+    z[0], azimuth[0], tilt[0] = pose.z, pose.azimuth, pose.tilt
+    rest = (pose.torsion, pose.x, pose.y)
+    far = ~closes(case.mechanism, Pose(z, azimuth, tilt, *rest))
     azimuth[far], tilt[far] = pose.azimuth, pose.tilt
-    return Pose(z, azimuth, tilt)
+    far = ~closes(case.mechanism, Pose(z, azimuth, tilt, *rest))
+    z[far] = pose.z
+    return Pose(z, azimuth, tilt, *rest)
 
 
 def _seconds(run: Any) -> float:

@@ -19,6 +19,7 @@ from harness.declared import STILL
 from harness.gate.measured import measure
 from harness.gate.plan import MODES, Checked, Plan, solve, standard
 from harness.gate.properties import Property, precision, properties
+from harness.poses import turned as turned_pose
 from harness.result import Result
 from harness.tables import Table
 from harness.workers import Failure
@@ -140,7 +141,7 @@ def _plan(name: str) -> Plan:
         replace(
             TILTED,
             name=f"{TILTED.name} turned by {360 / limbs * k:g} deg",
-            pose=replace(TILTED.pose, azimuth=TILTED.pose.azimuth + 2 * np.pi / limbs * k),
+            pose=turned_pose(TILTED.pose, 2 * np.pi / limbs * k),
         )
         for k in range(limbs)
     )

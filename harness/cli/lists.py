@@ -6,7 +6,7 @@ import click
 
 from harness.cli.flags import option
 from harness.cli.terminal import show_tables
-from harness.tables import Cell, Number, Table
+from harness.tables import Table
 
 
 @click.command()
@@ -27,16 +27,15 @@ def models() -> None:
 @option("case_file", "FILE", "TOML file with cases of your own.")
 def cases(case_file: str | None) -> None:
     """List every case: its pose, and what of it was read or fitted."""
-    import numpy as np
-
     from harness.case_file import load_cases
     from harness.cases import PRESETS
+    from harness.poses import cells, columns, headings, used
 
     extra = load_cases(Path(case_file)) if case_file is not None else {}
-    rows: list[tuple[Cell, ...]] = []
-    for case in (PRESETS | extra).values():
-        azimuth, tilt = np.degrees([case.pose.azimuth, case.pose.tilt])
-        pose = (Number(1000 * case.pose.z, 2), Number(azimuth, 2), Number(tilt, 2))
-        rows.append((case.name, case.theory.label, *pose, case.note))
-    columns = ("Case", "Model", "z [mm]", "azimuth [deg]", "tilt [deg]", "What was read or fitted")
-    show_tables(Table("Cases", columns, tuple(rows)))
+    shown = used(case.pose for case in (PRESETS | extra).values())
+    rows = tuple(
+        (case.name, case.theory.label, *cells(columns(case.pose), shown), case.note)
+        for case in (PRESETS | extra).values()
+    )
+    names = ("Case", "Model", *headings(shown), "What was read or fitted")
+    show_tables(Table("Cases", names, rows))

@@ -13,8 +13,9 @@ from harness.threads import cores as all_cores
 from harness.workers import Children
 
 SETS = (
-    "pose:Z,AZIMUTH,TILT, random:N[:SEED][:RANGES], grid:RANGES, workspace:N[:SEED], FILE.csv or "
-    "FILE.parquet; ranges as in z=350..700x8,azimuth=0..360x12,tilt=5. Millimetres and degrees."
+    "pose:Z,AZIMUTH,TILT, pose:NAME=VALUE,..., random:N[:SEED][:RANGES], grid:RANGES, "
+    "workspace:N[:SEED], FILE.csv or FILE.parquet; ranges as in z=350..700x8,azimuth=0..360x12,"
+    "tilt=5; names also torsion, x, y, yaw, pitch, roll. Millimetres and degrees."
 )
 FORMS = ("parquet", "csv", "json")
 

@@ -124,19 +124,18 @@ def finish(results: Mapping[str, "Result"], output: Path | None, history: Path |
     return Written(tuple(paths), failures, unwritten)
 
 
-KEY = ("case", "mechanism", "z_m", "azimuth_rad", "tilt_rad", "model", "settings", "mode")
-"""What tells a row of the history from the others of its run."""
-
-
 def append_rows(history: Path, results: Mapping[str, "Result"]) -> None:
-    """Append the rows of a run to the history, each once.
+    """Append the rows of a run to the history, each once for what tells it from the others.
 
     Parts of one command may share a model, whose rows differ in seconds at most: the first's.
     """
+    from harness.poses import COLUMNS
+
+    key = ("case", "mechanism", *COLUMNS, "model", "settings", "mode")
     found: dict[tuple[Any, ...], Mapping[str, Any]] = {}
     for result in results.values():
         for row in result.rows():
-            found.setdefault(tuple(row.get(name) for name in KEY), row)
+            found.setdefault(tuple(row.get(name) for name in key), row)
     if found:
         from harness.history.store import append
 

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Limb, Material, Mechanism, Pose, Rod
-from analytic.mechanism import Vector
+from analytic import Body, Joint, Limb, Link, Material, Mechanism, Pose, Rod, Section
+from analytic.mechanism import Item, Vector
 from analytic.model import Model
 from harness.bench import SPARE, Bench
+from harness.poses import turn, turned
 from harness.workers import Failure
 
 Floats = NDArray[np.float64]
@@ -44,33 +45,60 @@ def restated(
     The units are 1 / `length` m, 1 / `mass` kg and `time` s. E [kg / m s^2] and rho [kg / m^3]
     change with all three, the platform with mass and length.
     """
-    c, s = np.cos(angle), np.sin(angle)
-    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    R, stiffness = turn(2, angle), mass * time**2
 
-    def vector(values: Any) -> Vector:
-        x, y, z = (R @ np.array(values)).tolist()
+    def longer(values: Vector) -> Vector:
+        x, y, z = (length * np.array(values)).tolist()
         return x, y, z
+
+    def tensor(values: Any, axes: Any) -> Any:
+        found = mass * length**2 * (axes @ np.array(values) @ axes.T)
+        return tuple(tuple(row) for row in ((found + found.T) / 2).tolist())
 
     def steel(m: Material) -> Material:
         modulus = mass * time**2 / length
         return Material(m.young * modulus, m.shear * modulus, m.density * mass / length**3)
 
+    def section(s: Section) -> Section:
+        if s.diameter is not None:
+            return Section.round(length * s.diameter, length * s.bore)
+        first, second = s.second_moments
+        moments = length**4 * first, length**4 * second
+        return Section(length**2 * s.area, moments, length**4 * s.torsion_constant,
+                       s.shear_coefficients)  # fmt: skip
+
+    def item(i: Item) -> Item:
+        if isinstance(i, Joint):
+            kept = (
+                replace(f, stiffness=f.stiffness * stiffness
+                        * (length**2 if f.kind == "rotation" else 1.0))
+                for f in i.freedoms
+            )  # fmt: skip
+            return replace(i, freedoms=tuple(kept))
+        if isinstance(i, Body):
+            return Body(mass * i.mass, tensor(i.inertia, np.eye(3)), longer(i.centre), i.frame)
+        own = None if i.length is None else length * i.length
+        if isinstance(i, Link):
+            return Link(own)
+        return Rod(i.material, section(i.section), own)
+
     def change(mechanism: Mechanism, pose: Pose) -> Changed:
-        limbs = tuple(
-            Limb.rps(
-                vector(length * np.array(limb.base)),
-                vector(limb.axis),
-                vector(length * np.array(limb.platform_point)),
-                Rod.round(limb.rod.material, length * limb.rod.diameter),
-            )
-            for limb in mechanism.limbs
-        )
+        limbs = []
+        for one in mechanism.limbs:
+            # Bodies in global axes turn with the axes too.
+            fixed = (replace(i, frame="base") if isinstance(i, Body) and i.frame == "global" else i
+                     for i in one.chain)  # fmt: skip
+            limb = replace(one, chain=tuple(fixed)).turned(angle)
+            chain = tuple(map(item, limb.chain))
+            limbs.append(Limb(longer(limb.base), longer(limb.platform_point), chain,
+                              limb.reference))  # fmt: skip
         body = mechanism.platform
-        inertia = mass * length**2 * (R @ np.array(body.inertia) @ R.T)
-        x, y, z = (tuple(row) for row in ((inertia + inertia.T) / 2).tolist())
-        platform = replace(body, inertia=(x, y, z), mass=mass * body.mass)
-        said, _ = with_material(steel)(replace(mechanism, limbs=limbs, platform=platform), pose)
-        return said, replace(pose, z=length * pose.z, azimuth=pose.azimuth + angle)
+        x, y, z = (R @ np.array(longer(body.centre))).tolist()
+        platform = replace(
+            body, inertia=tensor(body.inertia, R), mass=mass * body.mass, centre=(x, y, z)
+        )
+        said, _ = with_material(steel)(Mechanism(tuple(limbs), platform), pose)
+        return said, turned(pose, angle, length)
 
     return change
 
@@ -80,9 +108,12 @@ def with_material(change: Callable[[Material], Material]) -> Change:
 
     def changed(mechanism: Mechanism, pose: Pose) -> Changed:
         limbs = tuple(
-            limb.with_rod(replace(limb.rod, material=change(limb.rod.material)))
+            replace(limb, chain=tuple(
+                replace(i, material=change(i.material)) if isinstance(i, Rod) else i
+                for i in limb.chain
+            ))
             for limb in mechanism.limbs
-        )
+        )  # fmt: skip
         return replace(mechanism, limbs=limbs), pose
 
     return changed

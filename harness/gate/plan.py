@@ -125,6 +125,8 @@ def workspace_cases(mechanism: Mechanism, z: float) -> tuple[Case, ...]:
     Layers and the limits of the limbs' lengths are those of the paper, in proportion to `z`.
     Raises `InputError` where a layer is out of reach.
     """
+    if not mechanism.simple:
+        raise InputError("mechanism", mechanism.limbs[0].described, "R-P-S limbs")
     scale, usual = z / HEIGHT, Limits()
     limits = Limits(usual.length_min * scale, usual.length_max * scale)
     region = regular_workspace(mechanism, [scale * layer for layer in LAYERS], limits)

@@ -154,7 +154,12 @@ def _symmetry(study: Study) -> Iterator[Property]:
 
 
 def _repeats(mechanism: Mechanism, angle: float) -> bool:
-    """Return whether the mechanism turned by `angle` [rad] is itself, limbs renumbered."""
+    """Return whether the mechanism turned by `angle` [rad] is itself, limbs renumbered.
+
+    Of limbs other than R-P-S it is not asked.
+    """
+    if not mechanism.simple:
+        return False
     turned, _ = restated(angle)(mechanism, Pose(1.0))
     size = max(np.abs(mechanism.bases).max(), np.abs(mechanism.platform_points).max())
     inertia, again = np.array(mechanism.platform.inertia), np.array(turned.platform.inertia)

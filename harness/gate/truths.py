@@ -1,6 +1,6 @@
 """What is true of the problem itself: limits, the order of theories, massless limbs, counts."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -164,7 +164,7 @@ def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
         return
     without, sheared = chain[-2:]
     stiffest, found = Named(sheared.name, None, (("shear", STIFF),)), []
-    for case in study.complete(without, sheared):
+    for case in _simple(study.complete(without, sheared)):
         f = solved(study, case, without)
         off = relative(answer(bench, stiffest, case.mechanism, case.pose, MODES), f)
         kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
@@ -179,13 +179,18 @@ def _massless(checked: Checked, bench: Bench) -> Iterator[Property]:
     light = with_material(lambda m: Material(m.young, m.shear, LIGHT * m.density))
     for model in _exact(checked):
         found: list[Found] = []
-        for case in checked.cases.complete(model):
+        for case in _simple(checked.cases.complete(model)):
             springs, shares = _springs(_theory(model), case)
             f = answer(bench, model, *light(case.mechanism, case.pose), len(springs))
             # By Rayleigh's quotient: a limb moves no more than its end.
             bound = precision(model, case.mechanism, case.pose, len(springs)) + LIGHT * shares / 2
             found.append((case.name, relative(f, springs), bound))
         yield from worst("limbs without mass", label(model), found, "the mass left")
+
+
+def _simple(cases: Iterable[Case]) -> list[Case]:
+    """Return those of R-P-S limbs, of which the rest has closed forms."""
+    return [case for case in cases if case.mechanism.simple]
 
 
 def _springs(theory: Theory, case: Case) -> tuple[Floats, float]:
@@ -237,6 +242,8 @@ def _mesh_counts(checked: Checked) -> Iterator[Property]:
     for *_, model in checked.plan.ladders:
         found = []
         for case in study.complete(model) if model.limit() is not None else ():
+            if not (model.info().torsion or case.mechanism.simple):
+                continue  # of other limbs torsion is no count of its own
             seen = counted(study.answers[case, model].frequencies, MODES)
             expected = _count(model, case, seen.cut)
             if not model.info().torsion:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from harness.cases import PRESETS
+from harness.poses import COLUMNS, columns
 from harness.report.ledger import at, in_words, variant
 from harness.report.recorded import ABOUT_RUN, Recorded, Rows
 from harness.report.section import Json, Section, digits
@@ -16,7 +17,6 @@ KEY = "history"
 ABOUT = KEY, "History: what moved between runs", "History", "rps-bench history"
 YARDSTICK = "yardstick"
 """The gate's model that only says how fast the machine was."""
-POSE = ("z_m", "azimuth_rad", "tilt_rad")
 MOST_SERIES = 2000
 """Series in the page, half a kilobyte each before their first number; of more, the newest."""
 NEWEST = 12
@@ -92,7 +92,7 @@ def _told_apart(points: Rows) -> list[str]:
     """
     mechanisms, poses = defaultdict(set), defaultdict(set)
     keys = [
-        (row["case"], variant(row["settings"]), row["mechanism"], tuple(row[n] for n in POSE))
+        (row["case"], variant(row["settings"]), row["mechanism"], tuple(row[n] for n in COLUMNS))
         for row in points
     ]
     for case, said, mechanism, pose in keys:
@@ -106,9 +106,9 @@ def _told_apart(points: Rows) -> list[str]:
             home is None or mechanism != mechanism_hash(home.mechanism)
         ):
             found.append(f"mechanism {mechanism}")
-        usual = home and (home.pose.z, home.pose.azimuth, home.pose.tilt)
+        usual = home and tuple(columns(home.pose).values())
         if len(poses[case, said, mechanism]) > 1 and pose != usual:
-            found.append(at(*pose))
+            found.append(at(dict(zip(COLUMNS, pose, strict=True))))
         words[case, said, mechanism, pose] = ", ".join(filter(None, found))
     return [words[key] for key in keys]
 
@@ -121,7 +121,7 @@ def _series(rows: Rows, given: Given, place: dict[str, int]) -> Json:
     firsts = list(once.values())
     return {
         "mechanism": firsts[0]["mechanism"],
-        "pose": [firsts[0][name] for name in POSE],
+        "pose": [firsts[0][name] for name in COLUMNS],
         "at": changes([place - k for k, place in enumerate(once)]),
         "build": _milliseconds([row["build_s"] for row in firsts]),
         "solve": _milliseconds([row["solve_s"] for row in firsts]),

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-import numpy as np
+from harness.poses import COLUMNS, words
 
 Fields = dict[str, str]
 PHRASES = {"way": "{}", "timed": "timed by {}", "poses": "batches of {} poses", "table": "{}",
@@ -35,12 +35,9 @@ class Ledger:
         return place
 
 
-def at(z: float | None, azimuth: float | None, tilt: float | None) -> str:
-    """Return a pose in words."""
-    if z is None or azimuth is None or tilt is None:
-        return "no pose"
-    degrees = np.degrees([azimuth, tilt])
-    return f"z = {1000 * z:.6g} mm, azimuth {degrees[0]:.6g}°, tilt {degrees[1]:.6g}°"
+def at(row: Mapping[str, Any]) -> str:
+    """Return the pose of a tidy row in words."""
+    return words(*(row.get(column) for column in COLUMNS)).replace(" deg", "°")
 
 
 def answer(rows: Sequence[Mapping[str, Any]]) -> Fields:
@@ -49,7 +46,7 @@ def answer(rows: Sequence[Mapping[str, Any]]) -> Fields:
     gap = row["closure_m"]
     own = [f"f{one['mode']} ±{one['uncertainty_hz']:.2g}" for one in rows if one["uncertainty_hz"]]
     return {
-        "Pose": at(row["z_m"], row["azimuth_rad"], row["tilt_rad"]),
+        "Pose": at(row),
         "Mechanism": row["mechanism"],
         "Model": row["model"],
         "Theory": row["theory"],

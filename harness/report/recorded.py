@@ -18,7 +18,9 @@ MAPS = (MAP, GATE)
 """What `case` says of poses that are shown as maps."""
 ABOUT_RUN = ("command", "commit", "release", "machine", "python", "numpy", "scipy", "blas")
 NAMED = f"""("case" IS NULL OR "case" NOT IN {MANY_POSES})"""
-POSE = "round(z_m, 9), round(azimuth_rad, 9), round(tilt_rad, 9)"
+POSE = """round(z_m, 9), round(azimuth_rad, 9), round(tilt_rad, 9),
+    round(coalesce(torsion_rad, 0), 9), coalesce(round(x_m, 9)::VARCHAR, ''),
+    coalesce(round(y_m, 9)::VARCHAR, '')"""
 """A pose to a nanometre and a nanoradian: closer than that two of them are one."""
 ONE_MAP = """concat_ws(' ', "case", run, mechanism, model, settings)"""
 """What tells one map from another."""
@@ -66,7 +68,8 @@ def read_recorded(folder: Path | None, room: int = MOST_NUMBERS) -> Recorded:
     chosen = [run for k, run in enumerate(newest) if not k or totals[k] <= MOST_POINTS]
     points = store.query(
         f"""SELECT run, coalesce("case", 'none') AS "case", mechanism, z_m, azimuth_rad, tilt_rad,
-        model, theory, settings, version, mode, frequency_hz, build_s, solve_s
+        coalesce(torsion_rad, 0) AS torsion_rad, x_m, y_m, model, theory, settings,
+        version, mode, frequency_hz, build_s, solve_s
         FROM rows WHERE {NAMED} AND list_contains(?, run)
         ORDER BY time, run, "case", model, mechanism, settings, mode, frequency_hz, solve_s""",
         [chosen],

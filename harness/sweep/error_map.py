@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analytic.model import Model
 from harness.bench import label
 from harness.compare import cells, relative_error
+from harness.poses import COLUMNS, columns, used
 from harness.sweep.journal import Journal
 from harness.sweep.long_table import TABLE, LongTable
 from harness.sweep.mode_check import beams_of, check_modes
@@ -29,9 +30,7 @@ GROUP BY mode ORDER BY mode
 
 ERRORS = {
     "pose": "BIGINT",
-    "z_m": "DOUBLE",
-    "azimuth_rad": "DOUBLE",
-    "tilt_rad": "DOUBLE",
+    **dict.fromkeys(COLUMNS, "DOUBLE"),
     "model": "VARCHAR",
     "against": "VARCHAR",
     "mode": "BIGINT",
@@ -83,7 +82,9 @@ def compare(
     gathered = []
     pick = np.array(modes) - 1
     theory = beams_of(against)
-    with LongTable(file, ERRORS, ["error_percent"], modes) as table:
+    where = used([sweep.poses])
+    kinds = {n: kind for n, kind in ERRORS.items() if n not in COLUMNS or n in where}
+    with LongTable(file, kinds, ["error_percent"], modes) as table:
         for model in sweep.models:
             if model == against:
                 continue
@@ -104,8 +105,8 @@ def compare(
                     errors.miscounted += check.wrong.sum(axis=0)[pick]
                     errors.wrong += numbers[check.wrong.any(axis=1)].tolist()
                 block: dict[str, Any] = {
-                    "pose": numbers, "z_m": poses.z, "azimuth_rad": poses.azimuth,
-                    "tilt_rad": poses.tilt, "model": label(model), "against": label(against),
+                    "pose": numbers, **{name: columns(poses)[name] for name in where},
+                    "model": label(model), "against": label(against),
                     "error_percent": relative_error(ours[here], theirs[here])[:, pick],
                 }  # fmt: skip
                 table.add(block)

@@ -12,13 +12,14 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import InputError, Mechanism, Modes, Pose, __version__
+from analytic import Mechanism, Modes, Pose, __version__
 from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness import answer as answers
 from harness import declared
 from harness.answer import solved
 from harness.history.provenance import provenance
+from harness.poses import columns
 from reference_models import ModelError, UnavailableError
 
 BATCH = 10 * CHUNK
@@ -60,8 +61,9 @@ class Job:
     def key(self) -> bytes:
         """A hash of all that the answer depends on: model, programs, mechanism, poses, modes."""
         said = f"{self.model!r} {self.program} {_said(self.mechanism)} {self.count}"
-        values = np.stack([self.poses.z, self.poses.azimuth, self.poses.tilt])
-        return sha256(said.encode() + values.astype("<f8").tobytes()).digest()[:16]
+        given = {name: v for name, v in columns(self.poses).items() if v is not None}
+        values = np.stack([*given.values()]).astype("<f8")
+        return sha256(f"{said} {[*given]}".encode() + values.tobytes()).digest()[:16]
 
     @property
     def isolated(self) -> bool:
@@ -130,8 +132,6 @@ def jobs(
     """
     size = 1 if model.info().isolated else BATCH
     program = program_of(model)
-    if poses.x is not None or np.any(poses.torsion):
-        raise InputError("poses", "x, y or torsion", "z, azimuth and tilt alone in a sweep")
     for start in range(0, len(poses), size):
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 

@@ -1,14 +1,20 @@
 """Sets of poses as people write them, in degrees and millimetres, or as files.
 
 pose:490,10,-12                 one pose: z [mm], azimuth, tilt [deg]; 0.49m,0.17rad,-0.2rad too
+pose:x=60,y=110,z=640,yaw=5     the same by name: z, azimuth, tilt, torsion, x, y; or yaw, pitch and
+                                roll for the angles
 random:1000:7                   1000 poses by seed 7; z 350-700 mm, any azimuth, tilt to 20 deg
 random:1000:z=400..500,tilt=5   the same in other ranges
 grid:z=350..700x8,azimuth=0..360x12,tilt=0..20x5
 workspace:1000:7                1000 poses by seed 7 in the regular workspace of the mechanism
-FILE.csv, FILE.parquet          columns z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad
+FILE.csv, FILE.parquet          columns z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad;
+                                x_mm, torsion_deg, yaw_deg and so on where they are stated
+
+Where the limbs leave x and y to say, a set says both; what it does not name is then 0.
 """
 
 import math
+from collections.abc import Mapping
 from glob import escape
 from pathlib import Path
 
@@ -17,13 +23,15 @@ from numpy.typing import NDArray
 
 from analytic import InputError, Mechanism, Pose, position
 from analytic.errors import number
+from analytic.placed import place
 from analytic.regular_workspace import regular_workspace
 from analytic.workspace import Limits, heights
+from harness.poses import COLUMNS, LENGTHS, NAMES, TURNS, columns, stated
 
 OPTION = "poses"
 FORMS = (
-    "pose:Z,AZIMUTH,TILT, random:N[:SEED][:RANGES], grid:RANGES, workspace:N[:SEED], FILE.csv or "
-    "FILE.parquet"
+    "pose:Z,AZIMUTH,TILT, pose:NAME=VALUE,..., random:N[:SEED][:RANGES], grid:RANGES, "
+    "workspace:N[:SEED], FILE.csv or FILE.parquet"
 )
 RANGES = {"z": (350.0, 700.0), "azimuth": (0.0, 360.0), "tilt": (0.0, 20.0)}  # mm, deg
 MOST = 1_000_000_000
@@ -32,8 +40,15 @@ BLOCK = 10_000
 LAYERS = 41
 """Layers of the regular workspace; in between its radius is linear."""
 
-_UNITS = {"z": ("m", 1e-3), "azimuth": ("rad", math.pi / 180), "tilt": ("rad", math.pi / 180)}
-_COLUMNS = (("z_mm", "azimuth_deg", "tilt_deg"), ("z_m", "azimuth_rad", "tilt_rad"))
+PLAIN = ("z", "azimuth", "tilt")
+"""What a pose is stated by where nothing else is named."""
+ENOUGH = (PLAIN, ("x", "y"), ("z", *TURNS))
+"""Of these columns a file has all of one row at least."""
+_UNITS = {name: ("m", 1e-3) if name in LENGTHS else ("rad", math.pi / 180) for name in NAMES}
+_COLUMNS = tuple(
+    {f"{name}_{pair[name not in LENGTHS]}": name for name in NAMES}
+    for pair in (("mm", "deg"), ("m", "rad"))
+)
 Floats = NDArray[np.float64]
 
 
@@ -59,38 +74,47 @@ def pose_set(text: str, mechanism: Mechanism) -> Pose:
     else:
         raise InputError(OPTION, text, FORMS)
     for start in range(0, len(poses), BLOCK):
-        position(mechanism, poses[start : start + BLOCK])
+        some = poses[start : start + BLOCK]
+        position(mechanism, some)
+        if not mechanism.simple:
+            place(mechanism, some)
     return poses
 
 
 def written(pose: Pose) -> str:
     """Return the text that `pose_set` reads back as this very pose, to the last bit."""
-    return f"pose:{float(pose.z)!r}m,{float(pose.azimuth)!r}rad,{float(pose.tilt)!r}rad"
+    values = {COLUMNS[column]: value for column, value in columns(pose).items()}
+    own = {n: f"{float(v)!r}{_UNITS[n][0]}" for n, v in values.items() if v is not None}
+    if pose.x is None and not pose.torsion:
+        return f"pose:{','.join(own[name] for name in PLAIN)}"
+    return f"pose:{','.join(f'{name}={value}' for name, value in own.items())}"
 
 
 def _one(text: str, rest: str) -> Pose:
-    expected = "pose:Z,AZIMUTH,TILT in mm and degrees, as in pose:490,10,-12"
-    parts = rest.split(",")
-    if len(parts) != 3:
-        raise InputError(OPTION, text, expected)
-    values = []
-    for part, (unit, scale) in zip(parts, _UNITS.values(), strict=True):
+    expected = "pose:Z,AZIMUTH,TILT in mm and degrees, as in pose:490,10,-12, or x=60,y=110,z=640"
+    parts = [part.partition("=") for part in rest.split(",")]
+    if not any(equals for _, equals, _ in parts) and len(parts) == len(PLAIN):
+        parts = [(name, "=", value) for name, (value, _, _) in zip(PLAIN, parts, strict=True)]
+    values = {}
+    for name, equals, part in parts:
+        if name not in NAMES or name in values or not equals:
+            raise InputError(OPTION, text, expected)
+        unit, scale = _UNITS[name]
         plain = part.removesuffix(unit)
-        values.append(_float(text, plain, expected) * (scale if plain == part else 1.0))
-    return Pose(*(np.array([value]) for value in values))
+        value = _float(text, plain, expected) * (scale if plain == part else 1.0)
+        values[name] = np.array([value])
+    return stated(values)
 
 
 def _random(text: str, rest: str) -> Pose:
     count, seed, ranges = _drawn(text, rest, ranges=True)
     low, high = (np.array([limits[k] for limits in ranges.values()]) for k in (0, 1))
     # A pose's numbers are drawn together: a longer set begins with the shorter one.
-    generator, drawn = np.random.default_rng(seed), np.empty((3, count))
+    generator, drawn = np.random.default_rng(seed), np.empty((len(ranges), count))
     for start in range(0, count, BLOCK):
         some = drawn[:, start : start + BLOCK]
-        some[:] = (low + (high - low) * generator.random((some.shape[1], 3))).T
-    drawn[0] /= 1000
-    np.radians(drawn[1:], out=drawn[1:])
-    return Pose(*drawn)
+        some[:] = (low + (high - low) * generator.random((some.shape[1], len(ranges)))).T
+    return _scaled(dict(zip(ranges, drawn, strict=True)))
 
 
 def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tuple[float, float]]]:
@@ -101,7 +125,10 @@ def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tupl
     if more and more[0].isdecimal():
         seed = int(more.pop(0))
     if more and ranges:
-        for name, (low, high, steps) in _ranges(text, more.pop(0)).items():
+        named = _ranges(text, more.pop(0))
+        if not {*named} <= {*PLAIN, "torsion"}:
+            chosen = {}
+        for name, (low, high, steps) in named.items():
             if steps is not None:
                 without = "ranges such as z=350..700, without a number of steps"
                 raise InputError(OPTION, text, without)
@@ -112,30 +139,31 @@ def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tupl
 
 
 def _grid(text: str, rest: str) -> Pose:
-    axes = {"azimuth": np.zeros(1), "tilt": np.zeros(1)}
+    axes = {}
     for name, (low, high, steps) in _ranges(text, rest).items():
         if steps is None and low != high:
             raise InputError(OPTION, text, f"a number of steps, as in {name}={low:g}..{high:g}x8")
         # A full turn ends where it began: no pose twice.
-        round_trip = name == "azimuth" and high - low == 360
+        round_trip = name in ("azimuth", "torsion", "yaw") and high - low == 360
         axes[name] = np.linspace(low, high, steps or 1, endpoint=not round_trip)
-    if "z" not in axes:
+    if "z" not in axes and not {"x", "y"} <= {*axes}:
         raise InputError(OPTION, text, "a grid with heights, as in grid:z=350..700x8")
     if math.prod(map(len, axes.values())) > MOST:
         raise InputError(OPTION, text, f"at most {MOST} poses")
-    mesh = np.meshgrid(axes["z"], axes["azimuth"], axes["tilt"], indexing="ij")
-    return _scaled(*(axis.ravel() for axis in mesh))
+    order = [name for name in NAMES if name in axes]
+    mesh = np.meshgrid(*(axes[name] for name in order), indexing="ij")
+    return _scaled({name: axis.ravel() for name, axis in zip(order, mesh, strict=True)})
 
 
 def _ranges(text: str, rest: str) -> dict[str, tuple[float, float, int | None]]:
     """Return low, high and number of steps of NAME=LOW[..HIGH[xSTEPS]] by name."""
-    expected = "z, azimuth and tilt each at most once, as in z=350..700x8,azimuth=0..360x12,tilt=5"
+    expected = f"{', '.join(NAMES)} each at most once, as in z=350..700x8,azimuth=0..360x12,tilt=5"
     found: dict[str, tuple[float, float, int | None]] = {}
     for part in rest.split(","):
         name, equals, span = part.partition("=")
         span, x, steps = span.partition("x")
         ends = span.split("..")
-        if name not in RANGES or name in found or not equals or len(ends) > 2:
+        if name not in NAMES or name in found or not equals or len(ends) > 2:
             raise InputError(OPTION, text, expected)
         if x and (not steps.isdecimal() or not 0 < int(steps) <= MOST):
             raise InputError(OPTION, text, expected)
@@ -153,8 +181,8 @@ def _float(text: str, part: str, expected: str) -> float:
         raise InputError(OPTION, text, expected) from None
 
 
-def _scaled(z: Floats, azimuth: Floats, tilt: Floats) -> Pose:
-    return Pose(z / 1000, np.radians(azimuth), np.radians(tilt))
+def _scaled(values: Mapping[str, Floats]) -> Pose:
+    return stated({n: v / 1000 if n in LENGTHS else np.radians(v) for n, v in values.items()})
 
 
 def _file(path: Path) -> Pose:
@@ -172,15 +200,19 @@ def _file(path: Path) -> Pose:
     try:
         with connect() as base:
             found = base.sql(f"FROM {source}").columns
-            columns = next((c for c in _COLUMNS if set(c) == set(found)), None)
-            if columns is None:
-                expected = " or ".join(", ".join(c) for c in _COLUMNS)
-                raise InputError(f"{OPTION} {path}", found, expected)
+            names = next((c for c in _COLUMNS if {*found} <= {*c}), _COLUMNS[0])
+            columns = [column for column in names if column in found]
+            enough = any({*some} <= {names[column] for column in columns} for some in ENOUGH)
+            if len(columns) != len(found) or not enough:
+                expected = "z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad"
+                raise InputError(
+                    f"{OPTION} {path}", found, f"{expected}; torsion, x, y, yaw, pitch, roll too"
+                )
             # First as they are: DuckDB would read them as numbers, and refuse what is none.
             base.execute(f"CREATE TABLE given AS SELECT {', '.join(columns)} FROM {source}")
             asked = ", ".join(f"TRY_CAST({c} AS DOUBLE) AS {c}" for c in columns)
             values = base.execute(f"SELECT {asked} FROM given").fetchnumpy()
-            arrays = [np.ma.filled(values[name], np.nan) for name in columns]
+            arrays: list[Floats] = [np.ma.filled(values[name], np.nan) for name in columns]
             for name, value in zip(columns, arrays, strict=True):
                 bad = np.flatnonzero(~np.isfinite(value))
                 if bad.size:
@@ -193,4 +225,5 @@ def _file(path: Path) -> Pose:
         raise InputError(OPTION, str(path), f"a readable file of poses ({why})") from None
     if not len(arrays[0]):
         raise InputError(OPTION, str(path), "a file of at least one pose")
-    return _scaled(*arrays) if columns == _COLUMNS[0] else Pose(*arrays)
+    own = {names[column]: array for column, array in zip(columns, arrays, strict=True)}
+    return _scaled(own) if names is _COLUMNS[0] else stated(own)

@@ -14,6 +14,7 @@ from harness.bench import label
 from harness.history.duck import constant, named, quoted
 from harness.history.provenance import provenance
 from harness.history.store import append_table
+from harness.poses import COLUMNS, cells, columns, headings, used
 from harness.rows import SWEEP, mechanism_hash, settings
 from harness.sweep.jobs import BATCH, Answer, Job
 from harness.sweep.journal import Journal
@@ -23,9 +24,7 @@ from harness.tables import Cell, Number, Table
 
 ROWS = {
     "pose": "BIGINT",
-    "z_m": "DOUBLE",
-    "azimuth_rad": "DOUBLE",
-    "tilt_rad": "DOUBLE",
+    **dict.fromkeys(COLUMNS, "DOUBLE"),
     "mechanism": "VARCHAR",
     "model": "VARCHAR",
     "theory": "VARCHAR",
@@ -88,7 +87,10 @@ class Rows:
         self.fresh = False
         self._sweep, self._journal, self._pick = sweep, journal, np.array(modes) - 1
         labels = ", ".join(quoted(label(model)) for model in sweep.models)
-        kinds = ROWS | {"model": f"ENUM({labels})"}
+        self._where = used([sweep.poses])
+        kinds = {n: k for n, k in ROWS.items() if n not in COLUMNS or n in self._where}
+        kinds["model"] = f"ENUM({labels})"
+        self._kinds = kinds
         self._table = LongTable(file, kinds, ["frequency_hz", "uncertainty_hz"], modes)
         self._left = {
             (model, start): stop - start for model in sweep.models for start, stop in sweep.blocks()
@@ -133,9 +135,10 @@ class Rows:
 
         return {
             "pose": np.concatenate([job.start + 1 + np.arange(len(job.poses)) for job in jobs]),
-            "z_m": np.concatenate([job.poses.z for job in jobs]),
-            "azimuth_rad": np.concatenate([job.poses.azimuth for job in jobs]),
-            "tilt_rad": np.concatenate([job.poses.tilt for job in jobs]),
+            **{
+                column: np.concatenate([columns(job.poses)[column] for job in jobs])
+                for column in self._where
+            },
             "theory": each([a.theory for a in got]),
             "version": each([a.version for a in got]),
             "closure_m": each([a.closure for a in got]),
@@ -172,9 +175,9 @@ class Rows:
             for name, values in (("theory", timing.theories), ("version", timing.versions)):
                 if len(values) == 1:
                     same[name] = min(values)
-            columns = [name for name in ROWS if name not in same]
-            columns += [f"{constant(value)} AS {named(name)}" for name, value in same.items()]
-            columns.append(f"{timing.usual or 'NULL'} AS solve_s")
+            shown = [name for name in self._kinds if name not in same]
+            shown += [f"{constant(value)} AS {named(name)}" for name, value in same.items()]
+            shown.append(f"{timing.usual or 'NULL'} AS solve_s")
             for made, ranges in timing.made.items():
                 about = zip(provenance(), made, strict=True)
                 own = [f"{constant(value)} AS {named(name)}" for name, value in about]
@@ -183,7 +186,7 @@ class Rows:
                     base.executemany(f"INSERT INTO made VALUES ({len(parts)}, ?, ?)", ranges)
                     within = "pose BETWEEN first AND last"
                     where += f" AND EXISTS (FROM made WHERE number = {len(parts)} AND {within})"
-                parts.append(f"SELECT {', '.join([*columns, *own])} FROM {TABLE} {where}")
+                parts.append(f"SELECT {', '.join([*shown, *own])} FROM {TABLE} {where}")
         base.execute(f"CREATE TEMP VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
         append_table(folder, base, "records", command)
         self._journal.record(
@@ -195,24 +198,23 @@ class Rows:
 
     def first_table(self) -> Table:
         """Return the frequencies of the first few poses; the file has all of them."""
+        where = ", ".join(self._where)
         found = self._table.base.execute(
-            f"""SELECT pose, z_m, azimuth_rad, tilt_rad, model::VARCHAR,
+            f"""SELECT pose, {where}, model::VARCHAR,
             list(frequency_hz ORDER BY mode) FROM {TABLE} WHERE pose <= {FEW}
-            GROUP BY pose, z_m, azimuth_rad, tilt_rad, model ORDER BY pose, model"""
+            GROUP BY pose, {where}, model ORDER BY pose, model"""
         ).fetchall()
         rows = tuple(
             (
-                int(pose), Number(1e3 * z, 2), Number(np.degrees(azimuth), 2),
-                Number(np.degrees(tilt), 2), model,
+                int(pose), *cells(dict(zip(self._where, at, strict=True)), self._where), model,
                 *("-" if f is None else Number(f) for f in frequencies),
             )
-            for pose, z, azimuth, tilt, model, frequencies in found
+            for pose, *at, model, frequencies in found
         )  # fmt: skip
-        columns = ("Pose", "z [mm]", "azimuth [deg]", "tilt [deg]", "Model",
-                   *(f"f{i} [Hz]" for i in self._pick + 1))  # fmt: skip
+        names = "Pose", *headings(self._where), "Model", *(f"f{i} [Hz]" for i in self._pick + 1)
         poses = len(self._sweep.poses)
         title = f"Frequencies of the first {min(FEW, poses)} of {poses} poses"
-        return Table(title, columns, rows)
+        return Table(title, names, rows)
 
     def timing_table(self) -> Table:
         """What each model itself took, over all runs into this folder."""

@@ -12,12 +12,13 @@ from analytic.pairing import pair
 from harness.answer import solved
 from harness.bench import label
 from harness.compare import cell, relative_error
+from harness.poses import cells, columns, headings, used
 from harness.sweep.engine import Engine, run
 from harness.sweep.error_map import Errors
 from harness.sweep.mode_check import beams_of
 from harness.sweep.pose_sets import written
 from harness.sweep.sweep import Sweep
-from harness.tables import Cell, Number, Table
+from harness.tables import Cell, Table
 from harness.workers import Failure
 
 Floats = NDArray[np.float64]
@@ -77,6 +78,7 @@ def worst_table(
         for errors in gathered
         for n in sorted({mode.where for mode in errors.modes if mode.where})
     ]
+    shown = used([sweep.poses])
     by_shape = {(task.model, task.pose): result for task, result in run(engine, checks)}
     rows: list[tuple[Cell, ...]] = []
     for errors in gathered:
@@ -89,9 +91,8 @@ def worst_table(
             if not isinstance(result, Failure):
                 shape, assurance = (values[mode.mode - 1] for values in result)
                 pairs = (cell(shape, 6, signed=True), cell(assurance, 3))
-            at = (1000 * pose.z, *np.degrees([pose.azimuth, pose.tilt]).tolist())
             error = cell(mode.worst, 6, signed=True)
-            where: tuple[Cell, ...] = (mode.where, *(Number(float(value)) for value in at))
+            where: tuple[Cell, ...] = (mode.where, *cells(columns(pose), shown, 3))
             rows.append((label(errors.model), f"f{mode.mode}", error, *pairs, *where))
     labels = shlex.quote(",".join(label(errors.model) for errors in gathered))
     notes = tuple(
@@ -99,6 +100,5 @@ def worst_table(
         f"--against {shlex.quote(label(against))}{command}"
         for n in sorted({mode.where for errors in gathered for mode in errors.modes if mode.where})
     )
-    columns = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose",
-               "z [mm]", "azimuth [deg]", "tilt [deg]")  # fmt: skip
-    return Table(f"Worst poses against {label(against)}", columns, tuple(rows), notes)
+    names = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose", *headings(shown))
+    return Table(f"Worst poses against {label(against)}", names, tuple(rows), notes)

@@ -2,16 +2,17 @@
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from analytic import Continuum, Modes, Substructure
+from analytic import Continuum, Mechanism, Modes, Pose, Substructure, limbs_at
 from harness.answer import checked
 from harness.bench import Bench
+from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.history.duck import connect
 from harness.request import Request
@@ -41,6 +42,7 @@ WRONG = {
     "unimportable": "it cannot be imported",
 }
 SOME = ("kilohertz", "percent", "crashes", "few")
+MECHANISMS = Path(__file__).parents[2] / "results/published/mechanisms.toml"
 
 
 def class_of(name: str) -> str:
@@ -211,3 +213,64 @@ def test_wrong_models_do_not_pass_the_gate(
     said = " ".join(answer.out.split())
     for name in names:
         assert f"x-{name}" in said, name
+
+
+@pytest.mark.parametrize("name", ["prs", "rps-real", "tricept"])
+def test_limbs_of_any_chain_keep_to_what_their_joints_let_them(name: str) -> None:
+    """A drive's give along its axis is no fault; the same give across it is an open joint."""
+    case = load_cases(MECHANISMS)[name]
+    of = case.mechanism, case.pose
+    info, modes = Substructure(1).info(), Substructure(1).modes(*of, 6)
+    assert checked(modes, info, *of, 6) is modes
+    largest = np.abs(modes.limbs[0]).max()
+    along = limbs_at(*of).frames[-1]
+    for k, end in ((0, 0), (1, 0), (0, -1), (1, -1)):
+        moved = modes.limbs.copy()
+        moved[0, -1, end] += 0.05 * largest * along[:, k]
+        with pytest.raises(ModelError, match="mode 1 limbs leave"):
+            checked(replace(modes, limbs=moved), info, *of, 6)
+
+
+def test_a_chain_whose_springs_give_may_move_along_them_alone() -> None:
+    """The carriage of a P joint slides on its drive by the force over its stiffness, or any way."""
+    case = load_cases(MECHANISMS)["prs"]
+    of = case.mechanism, case.pose
+    info, modes = Substructure(1).info(), Substructure(1).modes(*of, 6)
+    moved = modes.limbs.copy()
+    moved[0, :, 0, 2] += 0.05 * np.abs(modes.limbs[0]).max()  # its axis is vertical
+    found = replace(modes, limbs=moved)
+    assert checked(found, info, *of, 6) is found
+
+
+def test_a_model_without_a_limit_is_of_the_size_of_exact_beams() -> None:
+    """Whatever a simulator of any chain assumes, hertz are told from radians a second."""
+    case = load_cases(MECHANISMS)["prs"]
+    with Bench() as bench:
+        honest = bench.run([case], [NoLimit(1.0)], 3)
+        wrong = bench.run([case], [NoLimit(2 * np.pi)], 3)
+    assert not honest.failures
+    assert [why for why in wrong.failures.values() if "is it in hertz?" in why]
+
+
+@dataclass(frozen=True)
+class NoLimit:
+    """Elements that say nothing of their theory, in units of their own."""
+
+    factor: float
+    elements: int | None = 2
+
+    def info(self) -> Any:
+        return replace(Substructure(2).info(), limit=None)
+
+    def limit(self) -> None:
+        return None
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+        found = Substructure(2).modes(mechanism, pose, count)
+        return replace(found, frequencies=self.factor * found.frequencies)
+
+
+def test_repeated_modes_of_a_hexapod_at_home_ascend() -> None:
+    case = load_cases(MECHANISMS)["hexapod-home"]
+    modes = Continuum("timoshenko").modes(case.mechanism, case.pose, 12)
+    assert (np.diff(modes.frequencies) >= 0).all()
