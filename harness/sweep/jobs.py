@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Modes, Pose, __version__
+from analytic import InputError, Mechanism, Modes, Pose, __version__
 from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness import answer as answers
