@@ -14,7 +14,8 @@ class Plan:
     """Cases, theory and references; Table I and Fig. 3 are drawn against the first of these.
 
     Attributes: as of `Request`; `elements` of Fig. 3; `solid`: what stands for three-dimensional
-    truth, None where no solid can run; `case_file`: whether the cases are the user's own.
+    truth, None where no solid can run; `case_file`: whether the cases are the user's own;
+    `absent`: why simulators cannot run here, by name.
     """
 
     cases: tuple[Case, ...]
@@ -25,10 +26,14 @@ class Plan:
     solid: Named | None = None
     case_file: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
+    absent: Mapping[str, str] = field(default_factory=dict)
 
     def request(self, **changes: Any) -> Request:
         """Return what a study is asked for, some of it changed; elements are each model's own."""
-        return Request(self.cases, self.theory, self.references, None, self.shown).with_(**changes)
+        own = Request(
+            self.cases, self.theory, self.references, None, self.shown, absent=self.absent
+        )
+        return own.with_(**changes)
 
     @property
     def against(self) -> tuple[Named, ...]:

@@ -76,6 +76,7 @@ class Request:
         elements: numbers of elements s, None where each model has its own.
         shown: mode numbers from 1.
         options: values of the study's own `Option`s by name.
+        absent: why references that were meant too cannot run here, by name.
     """
 
     cases: tuple[Case, ...]
@@ -84,6 +85,7 @@ class Request:
     elements: tuple[int, ...] | None = None
     shown: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
     options: Mapping[str, Any] = field(default_factory=dict)
+    absent: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def count(self) -> int:

@@ -6,16 +6,29 @@ from types import ModuleType
 from typing import Any
 
 from analytic import InputError
+from analytic.model import Info
 from analytic.theory import Theory
 from harness.case_file import load_cases
 from harness.cases import Case, select
 from harness.plan import Plan
-from harness.presets import DEFAULTS, PAPER_CASES, QUICKEST, in_usual_order, solid_truth
+from harness.presets import (
+    DEFAULTS,
+    PAPER_CASES,
+    QUICKEST,
+    TABLE_ONE,
+    in_usual_order,
+    quick,
+    solid_truth,
+)
 from harness.request import Request
 from reference_models import Named, UnavailableError, catalogue, parse
 
 MOST_ELEMENTS = 512
 MOST_MODES = 100
+GROUPS: dict[str, tuple[str, ...] | None] = {
+    "all": None, "usual": TABLE_ONE, "quick": QUICKEST,
+}  # fmt: skip
+"""Words for several models, and which; None: every simulator."""
 _OUTSIDE = re.compile(r",(?![^\[]*\])")
 
 
@@ -33,6 +46,7 @@ def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
     elements = given.get("elements") or default.get("elements")
     printed = sorted({one.mode for case in cases for one in case.printed})
     modes = given.get("modes") or ",".join(map(str, printed)) or default["modes"]
+    named = given.get("references", default["references"])
     options = {
         option.name: None if text is None else option.parse(text)
         for option in getattr(study, "OPTIONS", ())
@@ -41,10 +55,11 @@ def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
     return Request(
         tuple(cases),
         theory,
-        tuple(models(given.get("references", default["references"]), "references", **shear)),
+        tuple(models(named, "references", **shear)),
         tuple(numbers("elements", elements, MOST_ELEMENTS)) if elements else None,
         tuple(numbers("modes", modes, MOST_MODES)),
         options,
+        absent(named),
     )
 
 
@@ -59,18 +74,32 @@ def chosen(names: str | None, file: str | None, default: str) -> list[Case]:
 def models(text: str, argument: str, **settings: Any) -> list[Named]:
     """Return the models that `text` names, separated by commas.
 
-    "all": every simulator that can run here; "usual": those of them that answer within a second.
+    "all": every simulator that can run here; "usual": one of each kind; "quick": those that answer
+    within a second.
     """
-    if text in ("all", "usual"):
-        found = in_usual_order(
-            name
-            for name, info in catalogue()
-            if info.isolated and not info.missing and (text == "all" or name in QUICKEST)
-        )
+    if text in GROUPS:
+        found = [name for name, info in _group(text) if not info.missing]
         if not found:
             raise UnavailableError("no simulator can run here; `rps-bench models` says why")
-        return [parse(name, argument, **settings) for name in found]
+        some = [parse(name, argument, **settings) for name in in_usual_order(found)]
+        return [quick(one) for one in some] if text == "usual" else some
     return [parse(name, argument, **settings) for name in split(argument, text)]
+
+
+def absent(text: str) -> dict[str, str]:
+    """Return why simulators of the group `text` cannot run here, by name; none of names."""
+    if text not in GROUPS:
+        return {}
+    return {name: info.missing for name, info in _group(text) if info.missing}
+
+
+def _group(text: str) -> list[tuple[str, Info]]:
+    some = GROUPS[text]
+    return [
+        (name, info)
+        for name, info in catalogue()
+        if (info.isolated if some is None else name in some)
+    ]
 
 
 def numbers(argument: str, text: str, most: int) -> list[int]:
@@ -119,12 +148,14 @@ def plan(texts: dict[str, str | None]) -> Plan:
     cases = chosen(given.get("cases"), given.get("case_file"), PAPER_CASES)
     named = given.get("model")
     theory = parse(named, "model", **shear) if named else cases[0].theory.given(**shear)
+    references = given.get("references", "all")
     return Plan(
         tuple(cases),
         theory,
-        tuple(models(given.get("references", "all"), "references", **shear)),
+        tuple(models(references, "references", **shear)),
         tuple(numbers("elements", given.get("elements", "1-8"), MOST_ELEMENTS)),
         tuple(numbers("modes", given.get("modes", "1-6"), MOST_MODES)),
         solid_truth(),
         "case_file" in given,
+        absent=absent(references),
     )

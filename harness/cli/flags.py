@@ -14,7 +14,7 @@ FLAGS = {
     "case_file": ("FILE", "TOML file with mechanisms and cases of your own, or a paper's folder."),
     "references": (
         "A,B",
-        "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate; usual, or all.",
+        "Models to compare with: NAME, NAME@N, or NAME@N1+N2 to extrapolate; usual, quick, or all.",
     ),
     "elements": ("S,S", "Elements a limb, as in 1,2,4-8."),
     "modes": ("I,I", "Mode numbers; default 1-6."),
@@ -62,7 +62,7 @@ def _models(_file: str | None) -> Iterable[str]:
 
 
 def _references(file: str | None) -> Iterable[str]:
-    return ["usual", "all", *_models(file)]
+    return ["usual", "quick", "all", *_models(file)]
 
 
 def _studies(_file: str | None) -> Iterable[str]:

@@ -1,7 +1,7 @@
 """Table I: every reference beside the theory, and both beside what the paper prints."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,7 @@ class TableOne(Result):
     """Frequencies of `theories` and `references` at the cases of `study`.
 
     `shown`: mode numbers from 1; `readings`: other readings of the paper, each case by its own
-    theory, where asked for.
+    theory, where asked for; `absent`: why references cannot run here, by name.
     """
 
     study: Study
@@ -60,6 +60,7 @@ class TableOne(Result):
     references: tuple[Model, ...]
     shown: tuple[int, ...]
     readings: tuple[Study, ...] = ()
+    absent: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def studies(self) -> tuple[Study, ...]:
@@ -81,7 +82,7 @@ class TableOne(Result):
         if self.readings:
             found["-readings"] = readings_table(self.readings)
             found["-errata"] = errata_table()
-        found["-seen"] = seen_table(self.references)
+        found["-seen"] = seen_table(self.references, self.absent)
         return found | {"-provenance": provenance_table(self.study)}
 
     def _table_one(self) -> Table:
@@ -101,6 +102,7 @@ class TableOne(Result):
             for model in self.references if (remark := model.info().remark)
         ]  # fmt: skip
         notes += case_notes(self.study.cases) + failure_notes(self.study)
+        notes += [f"{name} cannot run here: {why}" for name, why in self.absent.items()]
         columns = ("Case", "Method", *(f"f{i} [Hz]" for i in self.shown))
         title = "Table I: natural frequencies"
         return Table(title, columns, tuple(rows), tuple(dict.fromkeys(notes)))
@@ -177,7 +179,8 @@ def run(request: Request, bench: Bench) -> TableOne:
     study = bench.run(request.cases, models, request.count)
     asked = PRESETS.values() if request.options.get("readings") else ()
     readings = tuple(bench.run([case], [case.theory], 6) for case in asked)
-    return TableOne(study, tuple(theories), request.references, request.shown, readings)
+    known = request.references
+    return TableOne(study, tuple(theories), known, request.shown, readings, request.absent)
 
 
 def jobs(plan: Plan) -> dict[str, Request]:
@@ -215,8 +218,8 @@ def provenance_table(study: Study) -> Table:
     return Table("Where the numbers come from", columns, rows)
 
 
-def seen_table(references: Sequence[Model]) -> Table:
-    """Return what each reference can see, and what it cannot."""
+def seen_table(references: Sequence[Model], absent: Mapping[str, str]) -> Table:
+    """Return what each reference can see, and what it cannot; `absent`: those that cannot run."""
     rows = []
     for model in references:
         info = model.info()
@@ -225,6 +228,7 @@ def seen_table(references: Sequence[Model]) -> Table:
         remarks = ["" if info.limit else "has no exact limit to be checked by", info.remark]
         said = ("; ".join(filter(None, some)) or "-" for some in (blind, remarks))
         rows.append((label(model), info.theory, f"{info.program} {info.version}".strip(), *said))
+    rows += [(name, "-", "cannot run here", "-", why) for name, why in absent.items()]
     columns = ("Reference", "What it sees of a rod", "Program", "What it does not see", "Remark")
     return Table("What each reference can see", columns, tuple(rows))
 
