@@ -30,7 +30,7 @@ def reproduce(
     entries = job.chosen(None if only is None else split("only", only))
     parts, written = [], 0
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        bar.parts("the whole job", sum(entry.share for entry in entries))
+        bar.parts(sum(entry.share for entry in entries))
         for k, entry in enumerate(entries, 1):
             bar.part(f"{k} of {len(entries)}, {entry.title}")
             for part in job.reproduce([entry], asked, bench):

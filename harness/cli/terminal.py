@@ -30,31 +30,37 @@ class Bar:
             TimeElapsedColumn,
             TimeRemainingColumn,
         )
+        from rich.table import Column
 
         console = Console(stderr=True)
         self._bar = Progress(
-            TextColumn("{task.description:60.60}", markup=False),
-            BarColumn(20),
+            TextColumn(  # as wide as the other columns leave it
+                "{task.description}",
+                markup=False,
+                table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis"),
+            ),
+            BarColumn(12),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
             TextColumn("left:"),
             TimeRemainingColumn(),
             console=console,
             transient=True,
+            expand=True,
             disable=not console.is_terminal,
         )
         self._task = self._bar.add_task("starting", total=0)
-        self._total, self._part = 0, ""
-        self._all: Any = None
+        self._total = 0
 
-    def parts(self, what: str, total: int) -> None:
+    def parts(self, total: int) -> None:
         """Take in that the job has parts, of `total` shares of its time: a bar for all of it."""
-        self._all = self._bar.add_task(what, total=total)
+        self._all = self._bar.add_task("", total=total)
 
     def part(self, what: str) -> None:
         """Take in that another part begins, whose steps are counted anew."""
-        self._total, self._part = 0, f"{what}: "
+        self._total = 0
         self._bar.reset(self._task, total=0, description=what)
+        self._bar.update(self._all, description=what)
 
     def finished(self, share: int) -> None:
         """Take in that a part is finished, and what its share was."""
@@ -67,11 +73,11 @@ class Bar:
 
     def begin(self, what: str) -> None:
         """Take in that a step begins."""
-        self._bar.update(self._task, description=plain(self._part + what))
+        self._bar.update(self._task, description=plain(what))
 
     def done(self, what: str, steps: int = 1) -> None:
         """Take in that a step is finished, or several."""
-        self._bar.update(self._task, advance=steps, description=plain(self._part + what))
+        self._bar.update(self._task, advance=steps, description=plain(what))
 
     def __enter__(self) -> Self:
         if not self._bar.disable:

@@ -159,13 +159,17 @@ def test_a_bar_says_what_runs_and_of_what_it_is_a_part() -> None:
     from harness.cli.terminal import Bar
 
     with Bar() as bar:
+        bar.parts(40)
         bar.part("2 of 11, Error budget")
         bar.expect(4)
         bar.begin("exudyn-beam at case1")
-        (task,) = bar._bar.tasks
-        assert task.description == "2 of 11, Error budget: exudyn-beam at case1"
+        steps, parts = bar._bar.tasks
+        assert parts.description == "2 of 11, Error budget"
+        assert steps.description == "exudyn-beam at case1"
         bar.done("exudyn-beam at case1")
-        assert (task.completed, task.total) == (1, 4)
+        assert (steps.completed, steps.total) == (1, 4)
+        bar.finished(3)
+        assert (parts.completed, parts.total) == (3, 40)
 
 
 def test_first_lines_of_help_are_whole_sentences() -> None:
