@@ -1,6 +1,6 @@
 """Where the items of chains are: the simulators' own geometry, shared with no analytic model."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +11,41 @@ from analytic.mechanism import Freedom, Item, Joint, Limb, Link, Mechanism, Rod
 from analytic.pose import Pose
 
 Array = NDArray[np.float64]
+GAP = 1e-9
+"""Largest distance of A_i from its hinge's plane, relative to the limb's size; and largest angle
+[rad] by which universal joints of a limb may be out of line."""
+ALONG = 1e-6
+"""A universal joint's axis nearer than this to its limb [rad] turns about one axis only."""
 
 
 @dataclass(frozen=True)
 class Standing:
     """One limb at a pose, in global axes.
 
-    Attributes: the `limb`; `frame`, columns x, y, z of its axes (3, 3); `starts` of its items and
-    the end of the last (items + 1, 3) [m].
+    Attributes: its `number`, from 1; the `limb`; `frame`, columns x, y, z of its axes (3, 3);
+    `starts` of its items and the end of the last (items + 1, 3) [m].
     """
 
+    number: int
     limb: Limb
     frame: Array
     starts: Array
+
+    @property
+    def length(self) -> float:
+        """From where it starts, on its slider if it has one, to A_i [m]."""
+        return float(np.linalg.norm(self.starts[-1] - self.starts[0]))
+
+    @property
+    def may_spin(self) -> bool:
+        """Whether two balls, free to turn, let it spin about itself."""
+        balls = [
+            item
+            for item in self.limb.chain
+            if isinstance(item, Joint)
+            and sum(f.kind == "rotation" and not f.stiffness for f in item.freedoms) == 3
+        ]
+        return len(balls) == 2
 
     def axis(self, freedom: Freedom, turned: Array) -> Array:
         """Return a freedom's direction; `turned` is the platform's rotation."""
@@ -48,7 +70,62 @@ def stand(mechanism: Mechanism, pose: Pose) -> tuple[Array, Array, list[Standing
     lean = Rotation.from_rotvec(pose.tilt * np.array(about))
     R = (lean * Rotation.from_rotvec([0.0, 0.0, pose.torsion])).as_matrix()
     o = _centre(mechanism, pose, R)
-    return o, R, [_stand(i, limb, o, R) for i, limb in enumerate(mechanism.limbs)]
+    limbs = [_stand(i + 1, limb, o, R, pose) for i, limb in enumerate(mechanism.limbs)]
+    for limb in limbs:
+        _check(limb, R, pose)
+    return o, R, limbs
+
+
+def largest_gap(limbs: list[Standing], R: Array, tips: Array) -> float:
+    """Return how far any of `tips` A_i (n, 3) is beside the plane of a hinge in its limb [m].
+
+    With the hinges' axes as given: a simulator's, turned with its limb, would hide the gap.
+    """
+    gaps = [
+        abs(float(axis @ (tip - limb.starts[0])))
+        for limb, tip in zip(limbs, tips, strict=True)
+        for axis in _hinges(limb, R)
+    ]
+    return max(gaps, default=0.0)
+
+
+def _hinges(limb: Standing, R: Array) -> list[Array]:
+    """Return the axes of the joints that turn freely about one axis alone, as given."""
+    hinges = (item.hinge for item in limb.limb.chain if isinstance(item, Joint))
+    return [limb.axis(hinge, R) for hinge in hinges if hinge]
+
+
+def _check(limb: Standing, R: Array, pose: Pose) -> None:
+    """Raise `InputError` for hinges not square to the limb, universal joints along it or out of
+    line.
+    """
+    size = limb.length + sum(map(np.linalg.norm, (limb.limb.base, limb.limb.platform_point)))
+    gap = largest_gap([limb], R, limb.starts[-1:])
+    if gap > GAP * size:
+        expected = f"A_i in its revolute joint's plane, not A_{limb.number} {gap:.1e} m beside it"
+        raise InputError("pose", pose, expected)
+    across = []
+    for item in limb.limb.chain:
+        if not isinstance(item, Joint):
+            continue
+        turns = [f for f in item.freedoms if f.kind == "rotation"]
+        for f in turns:
+            if not f.across:
+                continue
+            lean = np.linalg.norm(
+                np.cross(limb.axis(replace(f, across=False), R), limb.frame[:, 2])
+            )
+            if lean < ALONG:
+                raise InputError(
+                    "pose", pose, f"universal joints across, not that of limb {limb.number} along"
+                )
+            if not f.stiffness and sum(not g.stiffness for g in turns) == len(turns) == 2:
+                across.append(limb.axis(f, R))
+    if len(across) == 2:
+        out = float(np.linalg.norm(np.cross(across[0], across[1])))
+        if out > GAP:
+            expected = f"universal joints in line, not limb {limb.number}'s {out:.1e} rad out of it"
+            raise InputError("pose", pose, expected)
 
 
 def _centre(mechanism: Mechanism, pose: Pose, R: Array) -> Array:
@@ -64,12 +141,13 @@ def _centre(mechanism: Mechanism, pose: Pose, R: Array) -> Array:
                 rows.append(e[:2])
                 offset = np.array(limb.base) - R @ np.array(limb.platform_point)
                 right.append(e @ offset - e[2] * pose.z)
-    if np.linalg.matrix_rank(np.array(rows).reshape(-1, 2), tol=1e-9) < 2:
+    few = np.linalg.matrix_rank(np.array(rows).reshape(-1, 2), tol=1e-9) < 2
+    if few and not mechanism.simple:
         raise InputError("pose", pose, "x and y too: no hinges at the base set them")
-    return np.array([*np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0], pose.z])
+    return np.array([*np.linalg.lstsq(np.array(rows), np.array(right), rcond=1e-9)[0], pose.z])
 
 
-def _stand(number: int, limb: Limb, o: Array, R: Array) -> Standing:
+def _stand(number: int, limb: Limb, o: Array, R: Array, pose: Pose) -> Standing:
     tip, start = o + R @ np.array(limb.platform_point), np.array(limb.base)
     given = sum(_length(item) or 0.0 for item in limb.chain)
     first = limb.chain[0]
@@ -78,20 +156,24 @@ def _stand(number: int, limb: Limb, o: Array, R: Array) -> Standing:
         # |tip - start - t e| = given, a quadratic in t.
         roots = np.roots([1.0, -2 * e @ (tip - start), (tip - start) @ (tip - start) - given**2])
         if np.iscomplexobj(roots):
-            raise InputError(
-                "pose", f"limb {number + 1}", "rods that reach from slider to platform"
-            )
+            raise InputError("pose", pose, f"rods of limb {number} that reach the platform")
         start = start + (max(roots) if first.slider == "above" else min(roots)) * e
     total = float(np.linalg.norm(tip - start))
+    size = total + sum(map(np.linalg.norm, (limb.base, limb.platform_point)))
+    if not total > GAP * size:
+        expected = f"limbs of some length, not that of A_{number} of {total:.1e} m"
+        raise InputError("pose", pose, expected)
     left = total - given
     z = (tip - start) / total
     x = np.cross(np.array(limb.towards), z)
     x /= np.linalg.norm(x)
-    lengths = [left if length is None else length for length in map(_length, limb.chain)]
-    if min(length for length in lengths) < 0:
-        raise InputError("pose", f"limb {number + 1}", f"rods that fit, not {left:.3e} m over")
+    own = [_length(item) for item in limb.chain]
+    if None in own and not left > GAP * size:
+        expected = f"something left to what adapts, not {left:.3e} m in limb {number}"
+        raise InputError("pose", pose, expected)
+    lengths = [left if length is None else length for length in own]
     starts = start + np.concatenate([[0.0], np.cumsum(lengths)])[:, None] * z
-    return Standing(limb, np.stack([x, np.cross(z, x), z], axis=1), starts)
+    return Standing(number, limb, np.stack([x, np.cross(z, x), z], axis=1), starts)
 
 
 def _length(item: Item) -> float | None:

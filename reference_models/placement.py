@@ -46,8 +46,14 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
     The platform is turned by `tilt` about the axis in the base plane at right angles to `azimuth`:
     three elementary rotations. Its x and y follow from the joints: every A_i stays in the plane
     through B_i square to the revolute axis as given, by least squares. Raises `InputError` naming
-    the limb and the gap where one does not, or where A_i meets B_i.
+    the limb and the gap where one does not, or where A_i meets B_i, and the limb that is no ideal
+    R-P-S limb of one solid round rod.
     """
+    for number, limb in enumerate(mechanism.limbs, start=1):
+        if not limb.simple:
+            found = f"limb {number}, {limb.described}"
+            expected = "limbs of one solid round rod between an R and an S joint for this model"
+            raise InputError("mechanism", found, expected)
     if any(mechanism.platform.centre):
         raise InputError("Platform.centre", mechanism.platform.centre, "o itself for this model")
     if pose.x is not None or np.any(pose.torsion):

@@ -9,7 +9,7 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic.modes import check_count
-from reference_models.protocol import hertz
+from reference_models.protocol import ModelError, hertz
 from reference_models.spent import phase
 
 Array = NDArray[np.float64]
@@ -20,6 +20,8 @@ FULL = 0.1
 NOISE = 1e-14
 """Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
+STILL = 1e-4
+"""A frequency below this part of the highest found belongs to a free motion."""
 ROUNDING = 1e-12
 """Of an entry of K, relative, with what projection adds."""
 
@@ -74,6 +76,21 @@ def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Arr
 def _noise(K: Array, x: Array, rounding: float) -> Array:
     """Return how far x^T K x is known for every column of x where K's entries are rounded."""
     return np.asarray(rounding * np.einsum("im,im->m", np.abs(x), np.abs(K) @ np.abs(x)))
+
+
+def vibrations(model: str, frequencies: Array, spins: int, count: int) -> NDArray[np.intp]:
+    """Return which `count` of ascending `frequencies` are vibrations.
+
+    `spins` limbs may turn about themselves, which moves nothing else. Raises `ModelError` naming
+    the `model` where more motions need no energy: the platform's.
+    """
+    still = frequencies < STILL * frequencies[-1]
+    if still.sum() > spins:
+        raise ModelError(
+            f"{model}: {int(still.sum())} motions need no energy, where {spins} limbs may spin: "
+            "the platform can move with the drives locked"
+        )
+    return np.flatnonzero(~still)[:count]
 
 
 def null_space(J: Array) -> scipy.sparse.csr_array:

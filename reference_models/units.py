@@ -9,13 +9,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.mechanism import Limb, Material, Mechanism, Platform, Rod, Vector
+from analytic.mechanism import (
+    Body,
+    Freedom,
+    Item,
+    Joint,
+    Limb,
+    Link,
+    Material,
+    Mechanism,
+    Platform,
+    Rod,
+    Vector,
+)
 from analytic.modes import Modes
 from analytic.pose import Pose, one_pose
+from reference_models.chain_placement import stand
 from reference_models.placement import place
 from reference_models.protocol import ModelError
 
 Array = NDArray[np.float64]
+Tensor = tuple[Vector, Vector, Vector]
+SLOWNESS = 2e-4
+"""One over the speed of waves in steel [s/m]."""
 CLOSED = 1e-9
 """How far a joint may be open, relative to the longest limb."""
 
@@ -32,36 +48,80 @@ class Units:
     def of(cls, mechanism: Mechanism, lengths: Array, slow: float = 1.0) -> "Units":
         """Return about the longest limb's length, its mass, and `slow` times the time that a wave
         takes along it.
+
+        A limb without rods has the platform's mass, and steel's waves.
         """
         longest = int(np.argmax(lengths))
-        rod, L = mechanism.limbs[longest].rod, float(lengths[longest])
-        mass = rod.material.density * rod.area * L
-        time = L * np.sqrt(rod.material.density / rod.material.young)
-        return cls(_power(2, L), _power(4, mass), _power(2, slow * time))
+        L = float(lengths[longest])
+        rods = mechanism.limbs[longest].rods
+        mass, slowness = mechanism.platform.mass, SLOWNESS
+        if rods:
+            mass = sum(rod.material.density * rod.area for rod in rods) / len(rods) * L
+            slowness = max(np.sqrt(rod.material.density / rod.material.young) for rod in rods)
+        return cls(_power(2, L), _power(4, mass), _power(2, slow * L * slowness))
 
     def mechanism(self, given: Mechanism) -> Mechanism:
         """Return a mechanism, given in SI, in these units."""
-        moment = self.mass * self.length**2
-        xx, yy, zz = (_three([value / moment for value in row]) for row in given.platform.inertia)
-        platform = Platform(given.platform.mass / self.mass, (xx, yy, zz), given.platform.form)
+        own = given.platform
+        platform = Platform(
+            own.mass / self.mass, self._inertia(own.inertia), own.form, self._place(own.centre)
+        )
         return Mechanism(tuple(self._limb(limb) for limb in given.limbs), platform)
 
     def _limb(self, limb: Limb) -> Limb:
+        chain = tuple(map(self._item, limb.chain))
+        return replace(
+            limb,
+            base=self._place(limb.base),
+            platform_point=self._place(limb.platform_point),
+            chain=chain,
+        )
+
+    def _item(self, item: Item) -> Item:
+        if isinstance(item, Joint):
+            return replace(item, freedoms=tuple(map(self._freedom, item.freedoms)))
+        if isinstance(item, Body):
+            inertia, centre = self._inertia(item.inertia), self._place(item.centre)
+            return Body(item.mass / self.mass, inertia, centre, item.frame)
+        length = None if item.length is None else item.length / self.length
+        if isinstance(item, Link):
+            return Link(length)
         pressure = self.mass / (self.length * self.time**2)
-        material = limb.rod.material
-        own = Material(
-            material.young / pressure,
-            material.shear / pressure,
-            material.density * self.length**3 / self.mass,
+        material = Material(
+            item.material.young / pressure,
+            item.material.shear / pressure,
+            item.material.density * self.length**3 / self.mass,
         )
-        base, point = (
-            _three([x / self.length for x in place]) for place in (limb.base, limb.platform_point)
+        own, four = item.section, self.length**4
+        section = replace(
+            own,
+            area=own.area / self.length**2,
+            second_moments=(own.second_moments[0] / four, own.second_moments[1] / four),
+            torsion_constant=own.torsion_constant / four,
+            diameter=None if own.diameter is None else own.diameter / self.length,
+            bore=own.bore / self.length,
         )
-        return Limb.rps(base, limb.axis, point, Rod.round(own, limb.rod.diameter / self.length))
+        return Rod(material, section, length)
+
+    def _freedom(self, freedom: Freedom) -> Freedom:
+        unit = self.mass / self.time**2
+        if freedom.kind == "rotation":
+            unit *= self.length**2
+        return replace(freedom, stiffness=freedom.stiffness / unit)
+
+    def _inertia(self, given: Tensor) -> Tensor:
+        moment = self.mass * self.length**2
+        first, second, third = (_three([value / moment for value in row]) for row in given)
+        return first, second, third
+
+    def _place(self, given: Vector) -> Vector:
+        return _three([x / self.length for x in given])
 
     def pose(self, given: Pose) -> Pose:
         """Return a pose, given in SI, in these units."""
-        return replace(given, z=np.asarray(given.z) / self.length)
+        places = {name: getattr(given, name) for name in ("x", "y", "z")}
+        scaled = {k: np.asarray(v) / self.length for k, v in places.items() if v is not None}
+        return replace(given, **scaled)
 
     def modes(self, found: Modes) -> Modes:
         """Return modes, found in these units, in SI."""
@@ -86,15 +146,21 @@ def in_robot_units(
     pose: Pose,
     count: int,
     slow: float = 1.0,
+    *,
+    chains: bool = False,
 ) -> Modes:
     """Return what `solve(mechanism, pose, count)` finds, asked and answering in the robot's units.
 
-    `slow` makes the time unit longer, and so the frequencies that `solve` finds greater.
-    Raises `InputError` for many poses or a pose out of reach, `ModelError` where a joint of model
-    `name` is open, and whatever `solve` raises.
+    `slow` makes the time unit longer, and so the frequencies that `solve` finds greater; `chains`:
+    whether `solve` takes limbs of any chain.
+    Raises `InputError` for many poses or a pose out of reach, or limbs that `solve` does not take,
+    `ModelError` where a joint of model `name` is open, and whatever `solve` raises.
     """
     one_pose(mechanism, pose)
-    lengths = place(mechanism, pose).lengths
+    if chains:
+        lengths = np.array([limb.length for limb in stand(mechanism, pose)[2]])
+    else:
+        lengths = place(mechanism, pose).lengths
     units = Units.of(mechanism, lengths, slow)
     found = units.modes(solve(units.mechanism(mechanism), units.pose(pose), count))
     if found.residual is not None and not found.residual <= CLOSED * lengths.max():

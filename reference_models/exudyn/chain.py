@@ -1,6 +1,7 @@
 """Limbs of any chain in Exudyn: beams, bodies, and joints with any freedoms at right angles."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -9,36 +10,53 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import Body, Joint, Limb, Mechanism, Rod
+from analytic.mechanism import Body, Joint, Link, Mechanism, Rod
 from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose
-from reference_models.chain_placement import Standing, stand, triad
+from reference_models.chain_placement import Standing, largest_gap, stand, triad
 from reference_models.exudyn.system import add_rigid_nodes, load, system
-from reference_models.projection import constrained_modes
-from reference_models.protocol import ModelError
+from reference_models.projection import constrained_modes, vibrations
+from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
 
-STILL = 1e-4
-"""A frequency below this part of the highest found is that of a limb that spins."""
-CLOSED = 1e-9
-"""Markers of a joint further apart than this part of the mechanism are an open joint."""
+LIGHT = 1e-9
+"""Mass and inertia of a rigid link between two joints, of about one limb's: it should have none."""
 
 
 @dataclass
 class _Place:
-    """A marker at the end of what is built so far, and its own axes (3, 3)."""
+    """A marker where the next item starts, the axes (3, 3) and the rigid body that carry it.
+
+    `at` is where the marker is on the body, in those axes [m].
+    """
 
     marker: int
     axes: Array
+    body: int
+    at: Array
+
+
+@dataclass
+class _Piece:
+    """A rod or link: where along the limb it begins, its `length` [m], and the velocity of its
+    centre line so far from there.
+    """
+
+    begin: float
+    length: float
+    velocity: Callable[[float], Array]
 
 
 @dataclass
 class _Built:
-    """What is in the system: the `joints`' pairs of markers, every limb's beam `elements`."""
+    """What is in the system: the `joints`' pairs of markers, how many there are at every limb's
+    end, and the rods and links of every limb's centre line.
+    """
 
     joints: list[tuple[int, int]] = field(default_factory=list)
-    rods: list[list[tuple[float, float, list[int]]]] = field(default_factory=list)
+    tips: list[int] = field(default_factory=list)
+    lines: list[list[_Piece]] = field(default_factory=list)
 
 
 def chain_modes(
@@ -49,6 +67,16 @@ def chain_modes(
     `shear(rod)` is its two shear coefficients, along x and y of its limb. Raises `InputError` for
     what cannot be stated (see `_joint`), `ModelError` where joints are open or Exudyn fails.
     """
+
+    def solve(mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+        return _solve(name, theory, elements, shear, mechanism, pose, count)
+
+    return in_robot_units(name, solve, mechanism, pose, count, chains=True)
+
+
+def _solve(
+    name: str, theory: str, elements: int, shear: Any, mechanism: Mechanism, pose: Pose, count: int
+) -> Modes:
     exu = load()
     begin = time.perf_counter()
     o, R, limbs = stand(mechanism, pose)
@@ -56,24 +84,20 @@ def chain_modes(
         (node,) = add_rigid_nodes(exu, mbs, o[None], R)
         body = _rigid(exu, mbs, node, mechanism.platform, np.eye(3))
         built = _Built()
-        for number, limb in enumerate(limbs):
-            _add_limb(exu, mbs, number, limb, body, R, elements, shear, built)
+        for limb in limbs:
+            _add_limb(exu, mbs, limb, body, R, elements, shear, built)
         mbs.Assemble()
         where = exu.OutputVariableType.Position
         ends = np.array([[mbs.GetMarkerOutput(m, where) for m in j] for j in built.joints])
-        residual = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
-        size = max(float(np.ptp(limb.starts, axis=0).max()) for limb in limbs)
-        if residual > CLOSED * size:
-            raise ModelError(f"{name}: joints are open by {residual:.1e} m")
+        tips = ends[[k - 1 for k in built.tips], 1]
+        apart = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
+        residual = max(apart, largest_gap(limbs, R, tips))
         M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
         made = time.perf_counter()
         # As many modes more as limbs that could spin between two balls.
-        spare = sum(_may_spin(limb.limb) for limb in limbs)
+        spare = sum(limb.may_spin for limb in limbs)
         frequencies, q, free = constrained_modes(name, K, M, J.T, count + spare)
-        still = frequencies < STILL * frequencies[-1]
-        if still.sum() > spare:
-            raise ModelError(f"{name}: {int(still.sum())} motions need no energy, of {spare} limbs")
-        kept = np.flatnonzero(~still)[:count]
+        kept = vibrations(name, frequencies, spare, count)
         frequencies, q = frequencies[kept], q[:, kept]
         solved = time.perf_counter()
         velocity, spin = exu.OutputVariableType.Velocity, exu.OutputVariableType.AngularVelocity
@@ -82,8 +106,8 @@ def chain_modes(
             mbs.systemData.SetODE2Coordinates_t(mode)
             platform.append(np.r_[mbs.GetNodeOutput(node, velocity), mbs.GetNodeOutput(node, spin)])
             lines.append([
-                [_velocity(exu, mbs, rods, limb, station) for station in STATIONS]
-                for rods, limb in zip(built.rods, limbs, strict=True)
+                [_velocity(limb, line, station) for station in STATIONS]
+                for line, limb in zip(built.lines, limbs, strict=True)
             ])  # fmt: skip
     return Modes(
         frequencies=frequencies,
@@ -100,30 +124,11 @@ def chain_modes(
     )
 
 
-def _may_spin(limb: Limb) -> bool:
-    """Return whether a limb has a freely turning ball near either end."""
-    balls = [
-        item
-        for item in limb.chain
-        if isinstance(item, Joint)
-        and sum(f.kind == "rotation" and not f.stiffness for f in item.freedoms) == 3
-    ]
-    return len(balls) == 2
-
-
-def _velocity(
-    exu: Any, mbs: Any, rods: list[tuple[float, float, list[int]]], limb: Standing, station: float
-) -> Array:
-    """Return the velocity of the centre line at a fraction of the limb, by the nearest rod."""
-    total = float(np.linalg.norm(limb.starts[-1] - limb.starts[0]))
-    at = station * total
-    begin, length, beams = next((r for r in rods if at <= r[0] + r[1]), rods[-1])
-    h = length / len(beams)
-    k = int(np.clip((at - begin) / h, 0, len(beams) - 1))
-    x = float(np.clip(at - begin - (k + 0.5) * h, -h / 2, h / 2))
-    return np.asarray(
-        mbs.GetObjectOutputBody(beams[k], exu.OutputVariableType.Velocity, [x, 0.0, 0.0])
-    )
+def _velocity(limb: Standing, line: list[_Piece], station: float) -> Array:
+    """Return the velocity of the centre line at a fraction of the limb, in the present state."""
+    at = station * limb.length
+    piece = next((piece for piece in line if at <= piece.begin + piece.length), line[-1])
+    return piece.velocity(min(at - piece.begin, piece.length))
 
 
 def _rigid(exu: Any, mbs: Any, node: int, body: Any, axes: Array) -> int:
@@ -144,62 +149,101 @@ def _rigid(exu: Any, mbs: Any, node: int, body: Any, axes: Array) -> int:
 
 
 def _add_limb(
-    exu: Any, mbs: Any, number: int, limb: Standing, platform: int, R: Array, elements: int,
-    shear: Any, built: _Built,
+    exu: Any, mbs: Any, limb: Standing, platform: int, R: Array, elements: int, shear: Any,
+    built: _Built,
 ) -> None:  # fmt: skip
-    items = exu.itemInterface
-    ground = mbs.AddObject(items.ObjectGround(referencePosition=limb.starts[0]))
-    before = _Place(mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground)), np.eye(3))
-    joint = Joint(())
-    rods: list[tuple[float, float, list[int]]] = []
-    chain = limb.limb.chain
-    for k, item in enumerate(chain):
+    ground = mbs.AddObject(exu.itemInterface.ObjectGround(referencePosition=limb.starts[0]))
+    before = _place(exu, mbs, ground, np.eye(3), np.zeros(3))
+    waiting: Joint | None = None
+    line: list[_Piece] = []
+    rigid = Joint(())
+    for k, item in enumerate(limb.limb.chain):
+        start, end = limb.starts[k : k + 2]
         if isinstance(item, Joint):
-            if k and isinstance(chain[k - 1], Joint):
-                raise InputError("limb", limb.limb.described, "one joint at a place for exudyn")
-            joint = item
-        elif isinstance(item, Body):
-            (node,) = add_rigid_nodes(exu, mbs, limb.starts[k][None], np.eye(3))
-            axes = limb.frame if item.frame == "limb" else np.eye(3)
-            own = _rigid(exu, mbs, node, item, axes)
-            after = _Place(mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=own)), np.eye(3))
-            _joint(exu, mbs, number, limb, joint, R, before, after, built)
-            before, joint = after, Joint(())
-        elif isinstance(item, Rod):
+            if waiting:
+                found = f"limb {limb.number}, {limb.limb.described}"
+                raise InputError("mechanism", found, "one joint at a place for exudyn")
+            waiting = item
+            continue
+        begin = float(np.linalg.norm(start - limb.starts[0]))
+        length = float(np.linalg.norm(end - start))
+        if isinstance(item, Rod):
             x, y, z = limb.frame.T
             axes = np.stack([z, y, -x], axis=1)
-            length = float(np.linalg.norm(limb.starts[k + 1] - limb.starts[k]))
-            part = np.linspace(0.0, 1.0, elements + 1)[:, None]
-            points = limb.starts[k] + part * (limb.starts[k + 1] - limb.starts[k])
+            points = start + np.linspace(0.0, 1.0, elements + 1)[:, None] * (end - start)
             nodes = add_rigid_nodes(exu, mbs, points, axes)
-            section = _section(exu, item, shear(item))
-            beams = [
-                mbs.AddObject(
-                    items.ObjectBeamGeometricallyExact(
-                        nodeNumbers=list(ends), physicsLength=length / elements, sectionData=section
-                    )
-                )
-                for ends in pairwise(nodes)
-            ]
-            begin = float(np.linalg.norm(limb.starts[k] - limb.starts[0]))
-            rods.append((begin, length, beams))
-            first, last = (
-                _Place(mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)), axes)
-                for node in (nodes[0], nodes[-1])
-            )
-            _joint(exu, mbs, number, limb, joint, R, before, first, built)
-            before, joint = last, Joint(())
+            beams = _beams(exu, mbs, nodes, length, _section(exu, item, shear(item)))
+            line.append(_Piece(begin, length, _along_beams(exu, mbs, beams, length)))
+            # Bodies without mass, by which joints hold the rod's ends.
+            first, last = (_massless(exu, mbs, node, axes) for node in (nodes[0], nodes[-1]))
         else:
-            raise InputError("limb", limb.limb.described, "no rigid links for exudyn")
-    point = list(limb.limb.platform_point)
-    tip = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=platform, localPosition=point))
-    _joint(exu, mbs, number, limb, joint, R, before, _Place(tip, R), built)
-    built.rods.append(rods)
+            if isinstance(item, Link) and not waiting:
+                first = before  # the body that is there reaches to the end of the link
+            else:
+                first = _body(exu, mbs, limb, item, start)
+            last = _place(exu, mbs, first.body, first.axes, first.at + first.axes.T @ (end - start))
+            if isinstance(item, Link):
+                line.append(_Piece(begin, length, _along_link(exu, mbs, first, limb.frame[:, 2])))
+        if first is not before:
+            _joint(exu, mbs, limb, waiting or rigid, R, before, first, built)
+        before, waiting = last, None
+    tip = _place(exu, mbs, platform, R, np.array(limb.limb.platform_point))
+    _joint(exu, mbs, limb, waiting or rigid, R, before, tip, built)
+    built.tips.append(len(built.joints))
+    built.lines.append(line)
+
+
+def _place(exu: Any, mbs: Any, body: int, axes: Array, at: Array) -> _Place:
+    """Return a place on a rigid body, marked."""
+    make = exu.itemInterface.MarkerBodyRigid
+    return _Place(int(mbs.AddMarker(make(bodyNumber=body, localPosition=list(at)))), axes, body, at)
+
+
+def _massless(exu: Any, mbs: Any, node: int, axes: Array) -> _Place:
+    """Return a place on a rigid body without mass that moves with a node of a beam."""
+    make = exu.itemInterface.ObjectRigidBody
+    body = mbs.AddObject(make(nodeNumber=node, physicsMass=0.0, physicsInertia=[0.0] * 6))
+    return _place(exu, mbs, body, axes, np.zeros(3))
+
+
+def _body(exu: Any, mbs: Any, limb: Standing, item: Any, start: Array) -> _Place:
+    """Add a body of the chain, or a link as one, at `start` in global axes."""
+    light = ((LIGHT, 0.0, 0.0), (0.0, LIGHT, 0.0), (0.0, 0.0, LIGHT))
+    body = item if isinstance(item, Body) else Body(LIGHT, light)
+    (node,) = add_rigid_nodes(exu, mbs, start[None], np.eye(3))
+    axes = limb.frame if body.frame == "limb" else np.eye(3)
+    return _place(exu, mbs, _rigid(exu, mbs, node, body, axes), np.eye(3), np.zeros(3))
+
+
+def _along_link(exu: Any, mbs: Any, start: _Place, z: Array) -> Callable[[float], Array]:
+    velocity, along = exu.OutputVariableType.Velocity, start.axes.T @ z
+    return lambda at: np.array(
+        mbs.GetObjectOutputBody(start.body, velocity, list(start.at + at * along))
+    )
+
+
+def _along_beams(exu: Any, mbs: Any, beams: list[int], length: float) -> Callable[[float], Array]:
+    velocity, h = exu.OutputVariableType.Velocity, length / len(beams)
+
+    def at(x: float) -> Array:
+        k = int(np.clip(x / h, 0, len(beams) - 1))
+        local = float(np.clip(x - (k + 0.5) * h, -h / 2, h / 2))
+        return np.asarray(mbs.GetObjectOutputBody(beams[k], velocity, [local, 0.0, 0.0]))
+
+    return at
+
+
+def _beams(exu: Any, mbs: Any, nodes: list[int], length: float, section: Any) -> list[int]:
+    make, size = exu.itemInterface.ObjectBeamGeometricallyExact, length / (len(nodes) - 1)
+    return [
+        mbs.AddObject(make(nodeNumbers=list(ends), physicsLength=size, sectionData=section))
+        for ends in pairwise(nodes)
+    ]
 
 
 def _joint(
-    exu: Any, mbs: Any, number: int, limb: Standing, joint: Joint, R: Array, before: _Place,
-    after: _Place, built: _Built,
+    exu: Any, mbs: Any, limb: Standing, joint: Joint, R: Array, before: _Place, after: _Place,
+    built: _Built,
 ) -> None:  # fmt: skip
     """Join two markers by what a joint leaves, and springs for what it resists.
 
@@ -209,7 +253,8 @@ def _joint(
     axes = [limb.axis(f, R) for f in loose]
     frame = triad(axes)
     if frame is None:
-        raise InputError("limb", number + 1, "freedoms of a joint at right angles for exudyn")
+        found = f"limb {limb.number}, {limb.limb.described}"
+        raise InputError("mechanism", found, "freedoms of a joint at right angles for exudyn")
     held, stiffness = np.ones(6, dtype=int), np.zeros(6)
     for freedom, axis in zip(loose, axes, strict=True):
         at = int(np.abs(frame.T @ axis).argmax()) + 3 * (freedom.kind == "rotation")

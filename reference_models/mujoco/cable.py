@@ -13,7 +13,10 @@ from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.mujoco import composite, flex, system
-from reference_models.mujoco.rig import Limb, Rods
+from reference_models.mujoco.rig import Rods, document, limbs_of, surplus
+from reference_models.mujoco.system import Assembly
+
+Array = NDArray[np.float64]
 
 NAME = "mujoco-cable"
 ROUNDING = 1e-10
@@ -55,22 +58,35 @@ class MujocoCable:
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose; raises as `system.run`."""
-        theory: str = _kind().THEORY
         return system.run(
-            NAME, theory, self.elements, self._rods, _stiffness, mechanism, pose, count, ROUNDING
+            NAME, _kind().THEORY, self.elements, self._assembly, mechanism, pose, count, ROUNDING
         )
 
-    def _rods(self, limbs: list[Limb]) -> Rods:
-        made: Rods = _kind().rods(limbs, self.elements)
-        return made
+    def _assembly(self, mechanism: Mechanism, pose: Pose) -> Assembly:
+        from reference_models.mujoco import geometry
+        from reference_models.mujoco import linearise as mj
+
+        limbs = limbs_of(mechanism, pose)
+        rods: Rods = _kind().rods(limbs, self.elements)
+
+        def amend(model: Any) -> None:
+            model.body("platform").inertia -= surplus(mechanism)
+            rods.amend(model)
+
+        def gap(model: Any, data: Any) -> float:
+            return geometry.gap(model, data, mechanism, limbs)
+
+        def lines(model: Any, data: Any) -> Array:
+            each = zip(limbs, rods.bodies, strict=True)
+            return np.stack([geometry.centre_line(model, data, *of) for of in each])
+
+        def stiffness(model: Any, data: Any) -> Array:
+            step = mj.STEP * min(limb.length for limb in limbs)
+            return mj.stiffness(model, data, len(limbs), step)
+
+        return Assembly(document(mechanism, pose, limbs, rods), amend, gap, lines, stiffness)
 
 
 def _kind() -> ModuleType:
     is_3 = system.release(system.installed())[:1] == (3,)
     return composite if is_3 else flex
-
-
-def _stiffness(model: Any, data: Any, limbs: list[Limb]) -> NDArray[np.float64]:
-    from reference_models.mujoco import linearise as mj
-
-    return mj.stiffness(model, data, len(limbs), mj.STEP * min(limb.length for limb in limbs))

@@ -1,10 +1,10 @@
 """`mujoco-chain`: limbs as chains of rigid segments, sprung against each other, in MuJoCo.
 
 Plain bodies, joints and springs, the same in every MuJoCo version. The springs between two of n
-segments of length h = L / n stand for the rod between their middles: EA / h to stretch, EI / h to
-bend each way, G J / h to twist. Those at the ends stand for half of that and are twice as stiff.
-They sit between the revolute joint and the first segment, but for bending about the joint's own
-axis, and, to stretch only, between the last segment and A_i: no moment reaches either.
+segments of length h = L / n of a rod stand for the rod between their middles: EA / h to stretch,
+E Ix / h and E Iy / h to bend, G J / h to twist. Those at the rod's ends stand for half of that and
+are twice as stiff, in series with the joint there (see `segments`): where the joint is free, no
+moment and no force reaches the segment.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,13 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
+from reference_models.chain_placement import largest_gap, stand
 from reference_models.mujoco import system
-from reference_models.mujoco.rig import STILL, Limb, Rods, inertial, text
+from reference_models.mujoco.rig import HEAD, platform_body, surplus, text
+from reference_models.mujoco.segments import Segmented, closures, segmented, written
+from reference_models.mujoco.system import Assembly
+
+Array = NDArray[np.float64]
 
 NAME = "mujoco-chain"
 SHEARLESS = {"euler-bernoulli": "Euler-Bernoulli", "rayleigh": "Rayleigh"}
@@ -28,11 +33,11 @@ SHEARLESS = {"euler-bernoulli": "Euler-Bernoulli", "rayleigh": "Rayleigh"}
 
 @dataclass(frozen=True)
 class MujocoChain:
-    """Limbs of `elements` rigid segments, closed at A_i by `connect` and exact projection.
+    """Limbs of any chain, `elements` rigid segments a rod, closed at A_i by exact projection.
 
     `beam` says what inertia a segment has about its diameters: "euler-bernoulli" that of a line,
-    m h^2 / 12, or "rayleigh" that of the cylinder it is, m (h^2 / 12 + d^2 / 16). About its axis
-    it has m d^2 / 8. Raises `InputError` for fewer than two elements or another `beam`.
+    m h^2 / 12, or "rayleigh" that of the rod it is, m h^2 / 12 + rho I h. About its axis it has
+    rho (Ix + Iy) h. Raises `InputError` for fewer than two elements or another `beam`.
     """
 
     elements: int = 16
@@ -59,69 +64,56 @@ class MujocoChain:
         )
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose; raises as `system.run`."""
+        """Return the `count` lowest modes at one pose; raises as `system.run`.
+
+        Limbs of any chain are taken; motions of a limb's own that need no energy are left out.
+        """
         theory = SHEARLESS[self.beam]
         return system.run(
-            NAME, theory, self.elements, self._rods, _stiffness, mechanism, pose, count
+            NAME, theory, self.elements, self._assembly, mechanism, pose, count, chains=True
         )
 
-    def _rods(self, limbs: list[Limb]) -> Rods:
-        chains = [_chain(i, limb, self.elements) for i, limb in enumerate(limbs)]
-        names = [[f"S{i}_{k}" for k in range(self.elements)] for i in range(len(limbs))]
-        joints = "".join(f'<connect site1="T{i}" site2="A{i}"/>' for i in range(len(limbs)))
+    def _assembly(self, mechanism: Mechanism, pose: Pose) -> Assembly:
+        o, R, standing = stand(mechanism, pose)
+        rotary = self.beam == "rayleigh"
+        limbs = [segmented(limb, R, self.elements, rotary=rotary) for limb in standing]
+        sites = "".join(_held(limb, R) for limb in limbs)
+        bodies = platform_body(mechanism, o, R, sites) + "".join(map(written, limbs))
+        document = (
+            f"{HEAD}<worldbody>{bodies}</worldbody><equality>{closures(limbs)}</equality></mujoco>"
+        )
 
         def amend(model: Any) -> None:
-            # The compiler refuses what is flatter than a disc, as a short segment without the
-            # sections' rotary inertia is.
-            for limb, segments in zip(limbs, names, strict=True):
-                for name in segments:
-                    model.body(name).inertia = self._moments(limb)
+            model.body("platform").inertia -= surplus(mechanism)
+            for mass in (mass for limb in limbs for mass in limb.masses):
+                model.body(mass.name).inertia -= np.trace(mass.inertia)
 
-        none, no_mass = [""] * len(limbs), [0.0] * len(limbs)
-        bodies = [[f"B{i}", *segments, "platform"] for i, segments in enumerate(names)]
-        return Rods(chains, none, no_mass, f"<equality>{joints}</equality>", bodies, amend)
+        def gap(model: Any, data: Any) -> float:
+            tips = np.array([data.site(f"A{limb.limb.number}").xpos for limb in limbs])
+            beside = largest_gap(standing, R, tips)
+            apart = [np.reshape(data.efc_pos, (-1, 3))]
+            for mass in (mass for limb in limbs for mass in limb.masses):
+                first, number = model.body(mass.name).jntadr[0], model.body(mass.name).jntnum[0]
+                apart.append(data.xanchor[first : first + number] - mass.gap.point)
+            return max(beside, float(np.linalg.norm(np.concatenate(apart), axis=1).max()))
 
-    def _moments(self, limb: Limb) -> list[float]:
-        h, d = limb.length / self.elements, limb.rod.diameter
-        across = h**2 / 12 + (d**2 / 16 if self.beam == "rayleigh" else 0.0)
-        return [limb.line_density * h * square for square in (d**2 / 8, across, across)]
+        def lines(model: Any, data: Any) -> Array:
+            from reference_models.mujoco import geometry
 
+            return np.stack([geometry.chain_line(model, data, limb) for limb in limbs])
 
-def _chain(i: int, limb: Limb, elements: int) -> str:
-    """Return the segments in MJCF, each within the one before, their frames at their middles."""
-    rod, h = limb.rod, limb.length / elements
-    bend = rod.material.young * rod.second_moment / h
-    twist = rod.material.shear * rod.polar_moment / h
-    stretch = rod.material.young * rod.area / h
-    mass = limb.line_density * h
-    still = STILL * limb.line_density * limb.length
-    chain = (
-        f'<body pos="{text(h / 2, 0, 0)}">{_spring("slide", "1 0 0", 2 * stretch)}'
-        f'{inertial(still, still * h**2)}<site name="T{i}"/></body>'
-    )
-    for k in reversed(range(elements)):
-        end = 2 if k == 0 else 1
-        springs = [
-            _spring("slide", "1 0 0", end * stretch),
-            _spring("hinge", "1 0 0", end * twist, -h / 2),
-            _spring("hinge", "0 0 1", end * bend, -h / 2),
-        ]
-        if k:
-            springs.append(_spring("hinge", "0 1 0", bend, -h / 2))
-        chain = (
-            f'<body name="S{i}_{k}" pos="{text(h if k else h / 2, 0, 0)}">'
-            f"{''.join(springs)}{inertial(mass, mass * h**2)}{chain}</body>"
-        )
-    return chain
+        spins = None if mechanism.simple else sum(limb.may_spin for limb in standing)
+        return Assembly(document, amend, gap, lines, stiffness, spins)
 
 
-def _spring(kind: str, axis: str, stiffness: float, at: float = 0.0) -> str:
-    return (
-        f'<joint type="{kind}" axis="{axis}" stiffness="{text(stiffness)}" pos="{text(at, 0, 0)}"/>'
-    )
+def _held(limb: Segmented, R: Array) -> str:
+    """Return the platform's site at A_i, in the limb's axes."""
+    axes, of = R.T @ limb.limb.frame, limb.limb
+    place, turned = text(np.array(of.limb.platform_point)), text(axes[:, 0], axes[:, 1])
+    return f'<site name="A{of.number}" pos="{place}" xyaxes="{turned}"/>'
 
 
-def _stiffness(model: Any, _data: Any, _limbs: list[Limb]) -> NDArray[np.float64]:
+def stiffness(model: Any, _data: Any) -> Array:
     """Return K, which is diagonal: every spring has a coordinate of its own."""
     springs = np.zeros(model.nv)
     springs[model.jnt_dofadr] = model.jnt_stiffness

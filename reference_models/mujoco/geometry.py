@@ -5,11 +5,12 @@ from typing import Any
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_interp_spline
 
 from analytic.mechanism import Mechanism
 from analytic.modes import STATIONS
 from reference_models.mujoco.rig import Limb
+from reference_models.mujoco.segments import End, Segmented
 from reference_models.placement import largest_gap
 
 Array = NDArray[np.float64]
@@ -52,3 +53,34 @@ def centre_line(model: Any, data: Any, limb: Limb, bodies: list[str]) -> Array:
     maps = [jacobian(model, data, *at)[:3] for at in zip(bodies, points, strict=True)]
     along = (points - limb.base) @ limb.along / limb.length
     return np.asarray(CubicSpline(along, maps)(STATIONS))
+
+
+def chain_line(model: Any, data: Any, limb: Segmented) -> Array:
+    """Return the map from coordinates to the displacement of a chain at `STATIONS`, (11, 3, nv).
+
+    Along a rod a cubic spline through its ends and segments' middles; along a link a line.
+    """
+    stations = STATIONS * limb.limb.length
+    found = np.zeros((len(stations), 3, model.nv))
+    done = np.zeros(len(stations), dtype=bool)
+    for piece in limb.pieces:
+        own = ~done & ((stations <= piece.end) | (piece is limb.pieces[-1]))
+        done |= own
+        if not own.any():
+            continue
+        n = len(piece.bodies)
+        inner = (np.arange(n) + 0.5) / n if n else np.zeros(0)
+        along = piece.begin + np.r_[0.0, inner, 1.0] * (piece.end - piece.begin)
+        middles = [jacobian(model, data, b, data.body(b).xpos)[:3] for b in piece.bodies]
+        first, last = (_end(model, data, end) for end in piece.ends)
+        maps = np.array([first, *middles, last])
+        at = np.clip(stations[own], piece.begin, piece.end)
+        curve = CubicSpline(along, maps) if n else make_interp_spline(along, maps, k=1)
+        found[own] = curve(at)
+    return found
+
+
+def _end(model: Any, data: Any, end: End) -> Array:
+    """Return the motion (3, nv) of an end of a rod."""
+    own, beside = (jacobian(model, data, b, end.point)[:3] for b in (end.body, end.beside))
+    return np.asarray(own - end.share @ (own - beside))

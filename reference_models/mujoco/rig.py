@@ -18,6 +18,12 @@ STILL = 1e-7
 should have any."""
 
 
+HEAD = (
+    '<mujoco><option gravity="0 0 0" jacobian="dense" integrator="Euler">'
+    '<flag contact="disable"/></option>'
+)
+
+
 @dataclass(frozen=True)
 class Limb:
     """One limb at a pose: `rod` from `base` B_i, `length` [m] along the unit vector `along`.
@@ -88,19 +94,24 @@ def document(mechanism: Mechanism, pose: Pose, limbs: list[Limb], rods: Rods) ->
         for i, (limb, mass) in enumerate(zip(limbs, rods.tip_mass, strict=True))
     )
     hinges = (_hinge(i, limb, rods) for i, limb in enumerate(limbs))
-    J = np.array(mechanism.platform.inertia) + surplus(mechanism) * np.eye(3)
+    platform = platform_body(mechanism, o, R, "".join(tips))
+    return f"{HEAD}<worldbody>{platform}{''.join(hinges)}</worldbody>{rods.rest}</mujoco>"
+
+
+def platform_body(mechanism: Mechanism, o: Array, R: Array, inside: str) -> str:
+    """Return the platform in MJCF, free, its frame at o turned by R, with what is `inside` it."""
+    platform = mechanism.platform
+    J = np.array(platform.inertia) + surplus(mechanism) * np.eye(3)
     full = J[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     return (
-        '<mujoco><option gravity="0 0 0" jacobian="dense" integrator="Euler">'
-        '<flag contact="disable"/></option><worldbody>'
         f'<body name="platform" pos="{text(o)}" xyaxes="{text(R[:, 0], R[:, 1])}"><freejoint/>'
-        f'<inertial pos="0 0 0" mass="{text(mechanism.platform.mass)}" fullinertia="{text(full)}"/>'
-        f"{''.join(tips)}</body>{''.join(hinges)}</worldbody>{rods.rest}</mujoco>"
+        f'<inertial pos="{text(np.array(platform.centre))}" mass="{text(platform.mass)}" '
+        f'fullinertia="{text(full)}"/>{inside}</body>'
     )
 
 
 def surplus(mechanism: Mechanism) -> float:
-    """Return what `document` adds to the platform's moments, to be taken off once compiled.
+    """Return what `platform_body` adds to the platform's moments, to be taken off once compiled.
 
     The compiler refuses principal moments with A + B < C, even where a flat plate's differ from
     A + B = C by rounding; with tr J on each the axes are the same and the rule is met.

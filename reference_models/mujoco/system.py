@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
@@ -12,8 +13,7 @@ from numpy.typing import NDArray
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.mujoco.rig import Limb, Rods, document, limbs_of, surplus
-from reference_models.projection import ROUNDING, constrained_modes
+from reference_models.projection import ROUNDING, constrained_modes, vibrations
 from reference_models.protocol import UnavailableError
 from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
@@ -48,21 +48,40 @@ def missing() -> str:
     return ""
 
 
+@dataclass(frozen=True)
+class Assembly:
+    """A mechanism at a pose, for MuJoCo.
+
+    Attributes: the `document` in MJCF; `amend` puts right, in the compiled model, what the compiler
+    cannot say exactly. Of a model and its data at rest: `gap`, how far joints are open [m];
+    `lines`, the map from coordinates to the limbs' motion at `STATIONS` (n, 11, 3, nv);
+    `stiffness`, K (nv, nv). `spins`: how many limbs may turn about themselves without energy; None
+    where nothing that moves freely is left out.
+    """
+
+    document: str
+    amend: Callable[[Any], None]
+    gap: Callable[[Any, Any], float]
+    lines: Callable[[Any, Any], Array]
+    stiffness: Callable[[Any, Any], Array]
+    spins: int | None = None
+
+
 def run(
     name: str,
     theory: str,
     elements: int,
-    make_rods: Callable[[list[Limb]], Rods],
-    stiffness: Callable[[Any, Any, list[Limb]], Array],
+    assembly: Callable[[Mechanism, Pose], Assembly],
     mechanism: Mechanism,
     pose: Pose,
     count: int,
     rounding: float = ROUNDING,
+    *,
+    chains: bool = False,
 ) -> Modes:
-    """Return the `count` lowest modes of the platform on rods made by `make_rods`.
+    """Return the `count` lowest modes of what `assembly` makes of a mechanism.
 
-    `stiffness` returns K (nv, nv) of a compiled model with its data at rest, whose entries are
-    known to `rounding`, relative.
+    K's entries are known to `rounding`, relative; `chains`: whether limbs of any chain are taken.
     Raises `InputError` for many poses, a pose out of reach or more modes than coordinates,
     `ModelError` where MuJoCo warns or fails or a joint is open, `UnavailableError` without a fit
     MuJoCo.
@@ -71,19 +90,16 @@ def run(
         raise UnavailableError(f"{name} cannot run here: {reason}")
 
     def solve(mechanism: Mechanism, pose: Pose, count: int) -> Modes:
-        return _solve(
-            name, theory, elements, make_rods, stiffness, mechanism, pose, count, rounding
-        )
+        return _solve(name, theory, elements, assembly, mechanism, pose, count, rounding)
 
-    return in_robot_units(name, solve, mechanism, pose, count)
+    return in_robot_units(name, solve, mechanism, pose, count, chains=chains)
 
 
 def _solve(
     name: str,
     theory: str,
     elements: int,
-    make_rods: Callable[[list[Limb]], Rods],
-    stiffness: Callable[[Any, Any, list[Limb]], Array],
+    assembly: Callable[[Mechanism, Pose], Assembly],
     mechanism: Mechanism,
     pose: Pose,
     count: int,
@@ -95,31 +111,27 @@ def _solve(
 
     begin = time.perf_counter()
     with phase("building"):
-        limbs = limbs_of(mechanism, pose)
-        rods = make_rods(limbs)
-        text = document(mechanism, pose, limbs, rods)
+        made = assembly(mechanism, pose)
     with mj.strict():
         with phase(SIMULATOR):
-            model = mj.compiled(text)
-        model.body("platform").inertia -= surplus(mechanism)
-        rods.amend(model)
+            model = mj.compiled(made.document)
+        made.amend(model)
         with phase(SIMULATOR):
             data = mj.at_rest(model)
         with phase("shapes"):
-            residual = geometry.gap(model, data, mechanism, limbs)
+            residual = made.gap(model, data)
             platform = geometry.jacobian(model, data, "platform", data.body("platform").xpos)
-            motion = np.stack(
-                [
-                    geometry.centre_line(model, data, limb, names)
-                    for limb, names in zip(limbs, rods.bodies, strict=True)
-                ]
-            )
+            motion = made.lines(model, data)
         with phase(SIMULATOR):
             M, J = mj.inertia(model, data), mj.joint_jacobian(model, data)
         with phase("linearising"):
-            K = stiffness(model, data, limbs)
+            K = made.stiffness(model, data)
     built = time.perf_counter()
-    frequencies, shapes, dofs = constrained_modes(name, K, M, J, count, rounding)
+    spins = made.spins or 0
+    frequencies, shapes, dofs = constrained_modes(name, K, M, J, count + spins, rounding)
+    if made.spins is not None:
+        kept = vibrations(name, frequencies, spins, count)
+        frequencies, shapes = frequencies[kept], shapes[:, kept]
     return Modes(
         frequencies=frequencies,
         platform=(platform @ shapes).T,

@@ -12,8 +12,7 @@ from analytic.pairing import mass_vectors, pair
 from analytic.substructure import rigid_arm
 from reference_models import ModelError, UnavailableError, reference
 from reference_models.mujoco import system as mujoco_system
-from reference_models.mujoco.chain import MujocoChain, _stiffness
-from reference_models.mujoco.rig import document, limbs_of
+from reference_models.mujoco.chain import MujocoChain
 
 mujoco = pytest.importorskip("mujoco")
 linearise = pytest.importorskip("reference_models.mujoco.linearise")
@@ -60,9 +59,8 @@ def test_observed_order(robot: Mechanism, case2: Pose, beam: str) -> None:
 
 def test_stiffness_is_that_of_the_springs(robot: Mechanism, case2: Pose) -> None:
     """K against the forces MuJoCo computes in moved positions: no spring couples coordinates."""
-    limbs = limbs_of(robot, case2)
-    rods = MujocoChain(2)._rods(limbs)
-    model = linearise.compiled(document(robot, case2, limbs, rods))
+    made = MujocoChain(2)._assembly(robot, case2)
+    model = linearise.compiled(made.document)
     data = linearise.at_rest(model)
     K, step = np.zeros((model.nv, model.nv)), 1e-6
     for i in range(model.nv):
@@ -72,7 +70,7 @@ def test_stiffness_is_that_of_the_springs(robot: Mechanism, case2: Pose) -> None
             mujoco.mj_fwdPosition(model, data)
             mujoco.mj_passive(model, data)
             K[:, i] -= sign * data.qfrc_passive / (2 * step)
-    np.testing.assert_allclose(_stiffness(model, data, limbs), K, atol=1e-9 * K.max())
+    np.testing.assert_allclose(made.stiffness(model, data), K, atol=1e-9 * K.max())
 
 
 @pytest.mark.parametrize("beam", BEAMS)

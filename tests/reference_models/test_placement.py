@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic import InputError, Limb, Mechanism, Pose, limbs_at
-from reference_models import ModelError
+from reference_models import ModelError, chain_placement
 from reference_models.exudyn import system
 from reference_models.exudyn.cable import ExudynCable
-from reference_models.mujoco import rig
+from reference_models.mujoco import chain, rig
+from reference_models.mujoco.cable import MujocoCable
 from reference_models.mujoco.chain import MujocoChain
 from reference_models.placement import Placement, largest_gap, place
 from reference_models.solid import calculix_deck, ngsolve
@@ -71,7 +72,7 @@ def test_what_cannot_close_is_named(robot: Mechanism) -> None:
 
 SIMULATORS = [
     pytest.param(ExudynCable(2), system, id="exudyn"),
-    pytest.param(MujocoChain(3), rig, id="mujoco"),
+    pytest.param(MujocoCable(3), rig, id="mujoco"),
     pytest.param(CalculixSolid(2), calculix_deck, id="calculix"),
     pytest.param(NgsolveSolid(1, 1), ngsolve, id="ngsolve"),
 ]
@@ -100,3 +101,44 @@ def test_a_platform_beside_its_joints_is_refused(
     gap = 0.01 * np.abs(robot.axes[:, 0]).max()
     with pytest.raises(ModelError, match=f"joints are open by {gap:.1e} m"):
         model.modes(robot, case2)
+
+
+@pytest.mark.parametrize(
+    ("model", "where"),
+    [pytest.param(MujocoChain(3), chain, id="mujoco-chain")],
+)
+def test_chains_beside_their_hinges_are_refused(
+    robot: Mechanism, case2: Pose, monkeypatch: pytest.MonkeyPatch, model: Any, where: Any
+) -> None:
+    if missing := model.info().missing:
+        pytest.skip(missing)
+
+    def beside(mechanism: Mechanism, pose: Pose) -> Any:
+        o, R, _ = chain_placement.stand(mechanism, pose)
+        o = o + np.array([0.02, 0, 0])
+        limbs = enumerate(mechanism.limbs, start=1)
+        return o, R, [chain_placement._stand(i, limb, o, R, pose) for i, limb in limbs]
+
+    monkeypatch.setattr(where, "stand", beside)
+    gap = 0.01 * np.abs(robot.axes[:, 0]).max()
+    with pytest.raises(ModelError, match=f"joints are open by {gap:.1e} m"):
+        model.modes(robot, case2)
+
+
+def test_chains_stand_where_the_simple_limbs_do(robot: Mechanism, workspace_poses: Poses) -> None:
+    for pose in workspace_poses(5, 62):
+        own, (o, R, limbs) = place(robot, pose), chain_placement.stand(robot, pose)
+        np.testing.assert_allclose(o, own.centre, atol=1e-14)
+        np.testing.assert_allclose(R, own.rotation, atol=1e-14)
+        np.testing.assert_allclose([limb.frame for limb in limbs], own.frames, atol=1e-13)
+        np.testing.assert_allclose([limb.starts[-1] for limb in limbs], own.tips, atol=1e-14)
+
+
+def test_chains_that_cannot_close_are_named(robot: Mechanism) -> None:
+    first = robot.limbs[0]
+    skewed = Limb.rps(first.base, (1.0, 1.0, 0.0), first.platform_point, first.rod)
+    with pytest.raises(InputError, match=r"not A_1 3\.2e-02 m beside it"):
+        chain_placement.stand(replace(robot, limbs=(skewed, *robot.limbs[1:])), Pose(0.49, 0, 0.2))
+    flat = Mechanism.regular(0.2, 0.2, first.rod, robot.platform)
+    with pytest.raises(InputError, match="limbs of some length, not that of A_1"):
+        chain_placement.stand(flat, Pose(0.0))
