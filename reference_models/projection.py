@@ -63,12 +63,15 @@ def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Arr
             return *found, noise
     except np.linalg.LinAlgError:
         pass  # K is singular, or not even that
-    values, x = scipy.linalg.eigh(K, M)
-    noise = _noise(K, x, rounding) + len(K) * np.finfo(float).eps * values[-1]
-    if values[0] < -noise[0]:
+    rounded = len(K) * np.finfo(float).eps
+    values = scipy.linalg.eigh(K, M, eigvals_only=True)
+    shift = float(np.append(values[values > rounded * values[-1]], 1.0)[0])
+    try:
+        mu, x = scipy.linalg.eigh(M, K + shift * M, subset_by_index=last)
+    except np.linalg.LinAlgError:  # far below zero
+        values, x = scipy.linalg.eigh(K, M)
+        noise = _noise(K, x, rounding) + rounded * values[-1]
         return values[:count], x[:, :count], noise[:count]
-    shift = float(np.append(values[values > noise], 1.0)[0])
-    mu, x = scipy.linalg.eigh(M, K + shift * M, subset_by_index=last)
     x = (x / np.sqrt(mu))[:, ::-1]
     return 1 / mu[::-1] - shift, x, _noise(K, x, rounding) + rounding * shift
 
