@@ -17,7 +17,7 @@ from reference_models.mujoco.rig import text
 
 Array = NDArray[np.float64]
 
-LIGHT = 1e-7
+LIGHT = 1e-10
 """Mass and inertia of a body that stands for none, in the mechanism's units: MuJoCo demands
 some."""
 NONE = 1e-14

@@ -1,7 +1,5 @@
 """Limbs of any chain in Exudyn: another program's beams, joints and assembly."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -20,26 +18,10 @@ from analytic import (
 )
 from analytic.mechanism import Item
 from analytic.pairing import pair
-from harness.case_file import load_cases
 from reference_models.exudyn.beam import ExudynBeam
 from reference_models.exudyn.chain import chain_modes
 from reference_models.mujoco.chain import MujocoChain
 from reference_models.richardson import Richardson
-
-CASES = load_cases(Path(__file__).parents[2] / "results" / "published" / "mechanisms.toml")
-CHAINS = sorted(name for name, case in CASES.items() if not case.mechanism.simple)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CHAINS)
-def test_extrapolated_beams_are_the_continuum(name: str) -> None:
-    """Timoshenko without elements against geometrically exact beams: 3e-4 on f1-f8."""
-    mechanism, pose = CASES[name].mechanism, CASES[name].pose
-    limit = Richardson(ExudynBeam(8), ExudynBeam(16), 2).modes(mechanism, pose, 8)
-    exact = Continuum("timoshenko").modes(mechanism, pose, 8)
-    assert limit.frequencies == pytest.approx(exact.frequencies, rel=3e-4)
-    assert limit.residual is not None
-    assert limit.residual < 1e-12
 
 
 def test_the_papers_limbs_as_chains_are_those_of_the_model_for_them() -> None:

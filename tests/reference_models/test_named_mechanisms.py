@@ -1,0 +1,132 @@
+"""Every named mechanism by every simulator: the declared theory's answer, or a reason."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analytic import Body, Continuum, InputError, Joint, Limb, Link, Mechanism, Pose, Rod
+from analytic.mechanism import Item
+from analytic.pairing import pair
+from harness.case_file import load_cases
+from reference_models import Named
+from reference_models.catalogue import catalogue
+from reference_models.exudyn.beam import ExudynBeam
+from reference_models.mujoco.chain import MujocoChain
+from reference_models.richardson import Richardson
+
+CASES = load_cases(Path(__file__).parents[2] / "results" / "published" / "mechanisms.toml")
+STOUT = {"rps", "four-rps"}
+"""Limbs of one rod, whose high modes need finer meshes."""
+COARSE = {"mujoco-cable": 3, "mujoco-composite": 3, "mujoco-chain": 4, "calculix-solid": 2,
+          "exudyn-beam": 4, "exudyn-cable": 4}  # fmt: skip
+TAKEN = {"exudyn-beam": set(CASES), "mujoco-chain": set(CASES)}
+"""What simulators of any chain must answer; the others answer the paper's limbs."""
+
+
+@pytest.mark.parametrize("name", [name for name, info in catalogue() if info.isolated])
+def test_a_simulator_answers_or_names_the_limb(name: str) -> None:
+    """What takes less than a second; answers are compared below."""
+    if missing := Named(name, None).info().missing:
+        pytest.skip(missing)
+    model = Named(name, COARSE.get(name, 1)).build()
+    answered = set()
+    for case in sorted(CASES):
+        mechanism, pose = CASES[case].mechanism, CASES[case].pose
+        if case in TAKEN.get(name, {"rps"}):
+            answered.add(case)
+            continue
+        with pytest.raises(InputError, match=r"limb \d, \S+'.*") as refused:
+            model.modes(mechanism, pose, 8)
+        assert "\n" not in str(refused.value)
+    assert answered == TAKEN.get(name, {"rps"})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", sorted(CASES))
+def test_exudyn_beams_are_timoshenko_s(case: str) -> None:
+    """Extrapolated, 3e-4 on f1-f8; shapes too."""
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    n = 12 if case in STOUT else 8
+    found = Richardson(ExudynBeam(n), ExudynBeam(2 * n), 2).modes(mechanism, pose, 8)
+    exact = Continuum("timoshenko").modes(mechanism, pose, 8)
+    np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=3e-4)
+    assert found.residual is not None and found.residual < 1e-12
+    assert (pair(found, exact, mechanism, pose).assurance > 0.99).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("beam", ["euler-bernoulli", "rayleigh"])
+@pytest.mark.parametrize("case", sorted(CASES))
+def test_mujoco_chains_are_their_theory_s(case: str, beam: str) -> None:
+    """Extrapolated, 1e-4 on f1-f8; shapes too."""
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    n = 12 if case in STOUT else 6
+    found = Richardson(MujocoChain(n, beam), MujocoChain(2 * n, beam), 2).modes(mechanism, pose, 8)
+    exact = Continuum(beam).modes(mechanism, pose, 8)
+    np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=1e-4)
+    assert found.residual is not None and found.residual < 1e-12
+    assert (pair(found, exact, mechanism, pose).assurance > 0.99).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["hexapod", "prs", "tricept"])
+def test_mujoco_chains_converge_with_the_second_order(case: str) -> None:
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    limit = Continuum().modes(mechanism, pose, 6).frequencies
+    coarse, fine = (
+        np.abs(MujocoChain(n).modes(mechanism, pose).frequencies - limit) for n in (4, 8)
+    )
+    seen = coarse > 1e-5 * limit
+    np.testing.assert_allclose(np.log2(coarse / fine)[seen], 2, atol=0.1)
+
+
+def resized(mechanism: Mechanism, k: float) -> Mechanism:
+    """The mechanism k times as large, of the same materials: frequencies go as 1 / k."""
+
+    def freedom_unit(kind: str) -> float:
+        return k**3 if kind == "rotation" else k
+
+    def tensor(J: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
+        return tuple(tuple(x * k**5 for x in row) for row in J)
+
+    def place(x: tuple[float, ...]) -> tuple[float, ...]:
+        return tuple(v * k for v in x)
+
+    def item(i: Item) -> Item:
+        if isinstance(i, Joint):
+            stiff = (replace(f, stiffness=f.stiffness * freedom_unit(f.kind)) for f in i.freedoms)
+            return replace(i, freedoms=tuple(stiff))
+        if isinstance(i, Body):
+            return Body(i.mass * k**3, tensor(i.inertia), place(i.centre), i.frame)  # type: ignore[arg-type]
+        length = None if i.length is None else i.length * k
+        if isinstance(i, Link):
+            return Link(length)
+        assert i.section.diameter is not None
+        return replace(
+            Rod.round(i.material, i.section.diameter * k, i.section.bore * k), length=length
+        )
+
+    def limb(of: Limb) -> Limb:
+        chain = tuple(map(item, of.chain))
+        return Limb(place(of.base), place(of.platform_point), chain, of.reference)  # type: ignore[arg-type]
+
+    own = mechanism.platform
+    platform = replace(
+        own, mass=own.mass * k**3, inertia=tensor(own.inertia), centre=place(own.centre)
+    )
+    return Mechanism(tuple(map(limb, mechanism.limbs)), platform)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", [ExudynBeam(4), MujocoChain(4)], ids=["beam", "chain"])
+@pytest.mark.parametrize("case", ["hexapod", "prs", "six-sps", "three-upu"])
+def test_frequencies_are_inverse_to_the_size(case: str, model: ExudynBeam | MujocoChain) -> None:
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    known = model.modes(mechanism, pose, 8).frequencies
+    for k in (1e-3, 1e-2, 30.0, 1e3):
+        xyz = {n: getattr(pose, n) for n in "xyz" if getattr(pose, n) is not None}
+        there: Pose = replace(pose, **{name: value * k for name, value in xyz.items()})
+        found = model.modes(resized(mechanism, k), there, 8).frequencies
+        np.testing.assert_allclose(found * k, known, rtol=1e-8)
