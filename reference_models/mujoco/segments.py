@@ -18,8 +18,7 @@ from reference_models.mujoco.rig import text
 Array = NDArray[np.float64]
 
 LIGHT = 1e-10
-"""Mass and inertia of a body that stands for none, in the mechanism's units: MuJoCo demands
-some."""
+"""Mass and inertia of a body that stands for none, of its limb's: MuJoCo demands some."""
 NONE = 1e-14
 """Compliance below this part of the largest at the same point is rounding: rigid."""
 Spring = tuple[str, Array, float]
@@ -120,8 +119,8 @@ class Mass:
     name: str
     at: Array
     gap: Gap
-    mass: float = LIGHT
-    inertia: Array = field(default_factory=lambda: LIGHT * np.eye(3))
+    mass: float
+    inertia: Array
     centre: Array = field(default_factory=lambda: np.zeros(3))
 
 
@@ -175,6 +174,14 @@ def segmented(limb: Standing, R: Array, elements: int, *, rotary: bool) -> Segme
     diameters that of a line, or with `rotary` that of the rod.
     """
     z, name = limb.frame[:, 2], f"L{limb.number}"
+    spans = np.linalg.norm(np.diff(limb.starts, axis=0), axis=1)
+    rods = [
+        item.material.density * item.area * float(span)
+        for item, span in zip(limb.limb.chain, spans, strict=True)
+        if isinstance(item, Rod)
+    ]
+    light = LIGHT * (sum(rods) or 1.0)  # in the mechanism's units
+    no_inertia = light * limb.length**2 * np.eye(3)
     masses: list[Mass] = []
     pieces: list[Piece] = []
     open_rods: list[tuple[float, float, tuple[str, ...], End]] = []
@@ -206,7 +213,7 @@ def segmented(limb: Standing, R: Array, elements: int, *, rotary: bool) -> Segme
             gap = Gap(start)
         elif isinstance(item, Link):
             if gap.springs:
-                add(Mass(f"{name}_{k}", start, gap))
+                add(Mass(f"{name}_{k}", start, gap, light, no_inertia))
             rigid = np.zeros((3, 3))
             ends = (End(start, last(), last(), rigid), End(stop, last(), last(), rigid))
             pieces.append(Piece(begin, end, ends))
@@ -228,7 +235,7 @@ def segmented(limb: Standing, R: Array, elements: int, *, rotary: bool) -> Segme
     if closed == "connect":
         gap = Gap(gap.point, gap.shift)
     if gap.springs:
-        masses.append(Mass(f"{name}_tip", gap.point, gap))
+        masses.append(Mass(f"{name}_tip", gap.point, gap, light, no_inertia))
     return Segmented(limb, masses, pieces, closed)
 
 

@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError, number
 from analytic.errors import count as whole
-from analytic.mechanism import Mechanism
+from analytic.mechanism import Mechanism, Rod
 from analytic.model import Info
-from analytic.modes import Modes
+from analytic.modes import STATIONS, Modes
 from analytic.pose import Pose
-from reference_models import placement
-from reference_models.exudyn.system import Axis
-from reference_models.protocol import ModelError, UnavailableError
+from reference_models.projection import STILL, vibrations
+from reference_models.protocol import ModelError, UnavailableError, hertz
 from reference_models.solid.calculix_deck import Deck, write
 from reference_models.solid.calculix_run import MISSING, NAME, Answer, program, run, version
 from reference_models.solid.rod_mesh import RodMesh
@@ -39,12 +38,12 @@ PRINTED = 1e-5
 
 @dataclass(frozen=True)
 class CalculixSolid:
-    """Solid rods of 20-node hexahedra, `elements` along a limb; CalculiX's own rigid bodies.
+    """Solid rods of 20-node hexahedra, `elements` along each; CalculiX's own rigid bodies.
 
     Across a rod there are a quarter as many (rounded up) in its core's side and in the rings
-    around it: refinement is uniform for multiples of four. End faces and platform are rigid;
-    joints are equations between their reference nodes. `element` is C3D20R (reduced integration)
-    or C3D20 (full: stiffer); ccx is stopped after `time_limit` [s].
+    around it, across a tube so many rings: refinement is uniform for multiples of four. End faces,
+    bodies and platform are rigid; joints are equations between their reference nodes. `element` is
+    C3D20R (reduced integration) or C3D20 (full: stiffer); ccx is stopped after `time_limit` [s].
     Raises `InputError` for fewer than two elements, or a setting that is none.
     """
 
@@ -87,25 +86,27 @@ class CalculixSolid:
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
         """Return the `count` lowest modes at one pose.
 
-        Raises `InputError` for a pose out of reach or more modes than coordinates, and as
-        `calculix_run.run`; `ModelError` also where a joint is open.
+        Limbs of any chain of round rods and tubes are taken; motions of a limb's own that need no
+        energy are left out. Raises `InputError` for a pose out of reach, a limb without rods, a rod
+        that is not round or more modes than coordinates, and as `calculix_run.run`; `ModelError`
+        also where a joint is open.
         """
-        return in_robot_units(NAME, self._solve, mechanism, pose, count, FAR)
+        return in_robot_units(NAME, self._solve, mechanism, pose, count, FAR, chains=True)
 
     def _solve(self, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
         begin = time.perf_counter()
         with phase("building"):
             deck = write(mechanism, pose, self._mesh, self.element, count)
-            residual = largest_gap(deck, mechanism)
+            residual = deck.gap()
         built = time.perf_counter()
         answer = run(deck.text, self.time_limit)
         solved = time.perf_counter()
         with phase("shapes"):
-            check_answer(answer, deck, count)
-            platform = answer.at(np.array(deck.platform)).reshape(count, 6)
-            limbs = centre_lines(answer, deck)
+            kept = check_answer(answer, deck, count)
+            platform = answer.at(np.array(deck.platform))[kept].reshape(count, 6)
+            limbs = centre_lines(answer, deck)[kept]
         return Modes(
-            frequencies=np.sqrt(answer.eigenvalues) / (2 * np.pi),
+            frequencies=np.sqrt(answer.eigenvalues[kept]) / (2 * np.pi),
             platform=platform,
             limbs=limbs,
             theory=THEORY,
@@ -118,46 +119,47 @@ class CalculixSolid:
             solve_seconds=solved - built,
         )
 
-    def _mesh(self, axis: Axis) -> RodMesh:
-        across = -(-self.elements // 4)
-        return RodMesh(axis.length, axis.rod.diameter, self.elements, across, GRADING)
-
-
-def largest_gap(deck: Deck, mechanism: Mechanism) -> float:
-    """Return the largest distance between what a joint should hold together, in the deck [m].
-
-    From the nodes as written: the start of each rod's centre line from B_i, its end from the
-    platform's node at A_i, each face's reference node from both, and A_i from the plane of its
-    revolute joint.
-    """
-    points = deck.points()
-    gaps = []
-    for rod, base, held in zip(deck.rods, mechanism.bases, deck.held, strict=True):
-        line = np.einsum("sk,skx->sx", rod.weights, points[rod.nodes - 1])
-        anchor, tip, point = points[[rod.anchor - 1, rod.tip - 1, held - 1]]
-        gaps += [line[0] - base, anchor - base, line[-1] - point, tip - point]
-    beside = placement.largest_gap(mechanism, points[deck.held - 1])
-    return max(beside, float(np.linalg.norm(gaps, axis=1).max()))
+    def _mesh(self, rod: Rod, length: float) -> RodMesh:
+        across, own = -(-self.elements // 4), rod.section
+        assert own.diameter is not None
+        return RodMesh(length, own.diameter, self.elements, across, GRADING, own.bore)
 
 
 def centre_lines(answer: Answer, deck: Deck) -> Array:
     """Return the displacement of the limbs' centre lines at `STATIONS`, shape (m, n, 11, 3)."""
-    lines = [np.einsum("sk,mskx->msx", rod.weights, answer.at(rod.nodes)) for rod in deck.rods]
-    return np.stack(lines, axis=1)
+    found = np.zeros((len(answer.eigenvalues), len(deck.lines), len(STATIONS), 3))
+    for i, limb in enumerate(deck.lines):
+        for line in limb:
+            moved = np.einsum("sk,mskx->msx", line.weights, answer.at(line.nodes))
+            if line.beyond is not None:
+                moved += np.cross(answer.at(np.array(line.turn))[:, None, :], line.beyond)
+            found[:, i, line.stations] = moved
+    return found
 
 
-def check_answer(answer: Answer, deck: Deck, count: int) -> None:
-    """Raise `ModelError` unless these are `count` modes that keep the joints closed."""
-    found = len(answer.eigenvalues)
+def check_answer(answer: Answer, deck: Deck, count: int) -> NDArray[np.intp]:
+    """Return which modes are the `count` lowest vibrations.
+
+    Raises `ModelError` unless there are so many, and all keep the joints closed.
+    """
+    found = len(answer.eigenvalues) - deck.spins
     if not np.array_equal(answer.nodes, deck.shown):
         raise ModelError(f"{NAME}: ccx did not print the displacements of all nodes asked for")
     if found != count:
         raise ModelError(f"{NAME}: ccx found {found} modes, {count} were asked for")
-    if not (answer.eigenvalues > 0).all() or not (np.diff(answer.eigenvalues) >= 0).all():
+    ascending = answer.eigenvalues
+    if not (ascending[0 if not deck.spins else -1] > 0) or not (np.diff(ascending) >= 0).all():
         reason = "negative or unsorted: does anything move freely?"
         raise ModelError(f"{NAME}: eigenvalues of ccx are {reason}")
-    tips = answer.at(np.array([rod.tip for rod in deck.rods]))
-    anchors = answer.at(np.array([rod.anchor for rod in deck.rods]))
-    opening = max(np.abs(tips - answer.at(deck.held)).max(), np.abs(anchors).max())
+    kept = np.arange(count)
+    if deck.spins:
+        noise = (STILL**2) * ascending[-1]
+        kept = vibrations(NAME, hertz(NAME, ascending, noise), deck.spins, count)
+    opening = 0.0
+    for terms in deck.equations:
+        nodes, freedoms, factors = (np.array(part) for part in zip(*terms, strict=True))
+        moved = answer.at(nodes)[:, np.arange(len(nodes)), freedoms - 1]
+        opening = max(opening, float(np.abs(moved @ factors).max()))
     if not opening <= PRINTED * np.abs(answer.displacements).max():
         raise ModelError(f"{NAME}: a mode opens a joint, by {opening:.1e} m per sqrt(kg)")
+    return kept

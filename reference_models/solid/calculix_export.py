@@ -34,19 +34,21 @@ def _commented(lines: list[str]) -> Iterator[str]:
     for line in lines:
         head, _, rest = line.partition("NSET=")
         name = rest.partition(",")[0]
-        number = int("".join(c for c in name if c.isdigit()) or 0) + 1
+        number = int("".join(c for c in name.partition("I")[0] if c.isdigit()) or 0) + 1
         if line.startswith("*ELEMENT,TYPE=C3D20R"):
             yield f"** --- limb {number}: 20-node bricks with reduced integration"
+        elif line.startswith("*ELEMENT,TYPE=SPRING1"):
+            yield "** A joint's freedom that something resists: a spring on its coordinate"
         elif head == "*RIGID BODY," and name.endswith("BASE"):
-            yield f"** The end face at B_{number} is rigid. REF NODE holds its displacement,"
-            yield "** ROT NODE its rotation, in freedoms 1-3."
+            yield f"** The face of limb {number}'s rod towards the base is rigid. REF NODE holds"
+            yield "** its displacement, ROT NODE its rotation, in freedoms 1-3."
         elif head == "*RIGID BODY," and name.endswith("TIP"):
-            yield f"** So is the end face at A_{number}."
+            yield f"** So is its face towards A_{number}. Joints are equations: what follows moves"
+            yield "** as what it is joined to, but for coordinates of the joint's freedoms."
+        elif head == "*RIGID BODY," and name.endswith("RIGID"):
+            yield f"** A body of limb {number}, made of six masses"
         elif head == "*RIGID BODY,":
             yield "** --- the platform: the points A_i and six masses are one rigid body"
-        elif line == "*BOUNDARY":
-            yield "** The revolute joint: B does not move; by the equations that follow its face"
-            yield "** turns about the revolute axis alone."
         elif line == "*ELEMENT,TYPE=MASS,ELSET=MASSES":
             yield "** Six equal masses that together have the platform's mass and inertia."
         elif line == "*STEP":

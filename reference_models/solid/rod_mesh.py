@@ -1,4 +1,4 @@
-"""A structured mesh of a solid round rod: 20-node hexahedra, finer towards rims and end faces."""
+"""A structured mesh of a round rod: 20-node hexahedra, finer towards rims and end faces."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -33,7 +33,10 @@ class RodMesh:
     arcs: the section is scaled (by 4e-4 for two rings) to the rod's own area, which leaves its
     second moment right to 1e-6 (6e-5 for one ring). Twice both numbers halves every element.
 
-    `grading` g >= 1 crowds elements towards the end faces and the rim: the distance to them goes
+    A rod with a `bore` [m] has `across` rings of 8 `across` elements instead, whose inner and outer
+    edges are such parabolas too.
+
+    `grading` g >= 1 crowds elements towards the end faces and the rims: the distance to them goes
     as the g-th power of the element's number. Stress at a rigid face's rim is singular, and equal
     elements (g = 1) converge slowly to it.
     Raises `InputError` for anything that makes no rod.
@@ -44,21 +47,28 @@ class RodMesh:
     along: int
     across: int
     grading: float = 1.0
+    bore: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("length", "diameter"):
             number(name, getattr(self, name), "a positive number of metres", positive=True)
         count("along", self.along)
         count("across", self.across)
+        if not 0 <= number("bore", self.bore, "a number of metres") < self.diameter:
+            raise InputError("bore", self.bore, f"from 0 to less than {self.diameter:g} m")
         if number("grading", self.grading, "an exponent of at least 1") < 1:
             raise InputError("grading", self.grading, "an exponent of at least 1")
 
     @cached_property
     def levels(self) -> Array:
         """Where the elements' end planes are, z of shape (along + 1,) [m]."""
-        t = np.linspace(0.0, 1.0, self.along + 1)
+        return self.length * self._crowded(self.along)
+
+    def _crowded(self, elements: int) -> Array:
+        """Return where elements end that crowd to both ends of 0..1, (elements + 1,)."""
+        t = np.linspace(0.0, 1.0, elements + 1)
         near = 0.5 * (2 * np.minimum(t, 1 - t)) ** self.grading
-        return self.length * np.where(t < 0.5, near, 1 - near)
+        return np.where(t < 0.5, near, 1 - near)
 
     @cached_property
     def section(self) -> tuple[Array, Indices]:
@@ -66,6 +76,8 @@ class RodMesh:
 
         Each lists corners, middles of edges, and its own middle, which no element uses.
         """
+        if self.bore:
+            return self._tube()
         n = 2 * self.across
         u, v = np.meshgrid(*[np.linspace(-1.0, 1.0, n + 1)] * 2, indexing="ij")
         square = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
@@ -78,15 +90,25 @@ class RodMesh:
         ends = 1 - (1 - np.linspace(0.0, 1.0, self.across + 1)) ** self.grading
         out = np.interp(np.arange(n + 1) / 2, np.arange(self.across + 1), ends)[1:, None, None]
         rings = core[loop] + out * (circle - core[loop])
-        # A parabola over the angle 2a of a circle encloses sin(a) (4 - cos(a)) / 3, an arc a.
-        a = np.pi / (4 * self.across)
-        radius = self.diameter / 2 * np.sqrt(3 * a / (np.sin(a) * (4 - np.cos(a))))
-        points = np.concatenate([core, rings.reshape(-1, 2)]) * radius
+        points = np.concatenate([core, rings.reshape(-1, 2)])
+        points *= self.diameter / 2 * _area_kept(4 * self.across)
 
         fan = np.concatenate([loop[None], len(core) + np.arange(4 * n * n).reshape(n, 4 * n)])
         fan = np.concatenate([fan, fan[:, :1]], axis=1).T
         # A fan's first direction runs round and its second outwards: reversed, it is right-handed.
         return points, np.concatenate([_quads(square), _quads(fan[::-1])])
+
+    def _tube(self) -> tuple[Array, Indices]:
+        around = 8 * self.across
+        angle = np.pi * np.arange(2 * around) / around
+        ends = self._crowded(self.across)
+        out = np.interp(np.arange(2 * self.across + 1) / 2, np.arange(self.across + 1), ends)
+        radius = (self.bore + (self.diameter - self.bore) * out) / 2 * _area_kept(around)
+        circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        points = (radius[:, None, None] * circle).reshape(-1, 2)
+        fan = np.arange(len(points)).reshape(len(radius), 2 * around)
+        fan = np.concatenate([fan, fan[:, :1]], axis=1).T
+        return points, _quads(fan[::-1])
 
     @cached_property
     def _lattice(self) -> tuple[Array, Indices]:
@@ -126,9 +148,10 @@ class RodMesh:
         return np.flatnonzero(self.nodes[:, 2] == self.nodes[:, 2].max())
 
     def centre_line(self, fractions: Array) -> tuple[Indices, Array]:
-        """Return the nodes (k, 20) and weights (k, 20) that give the motion of the centre line.
+        """Return the nodes (k, c) and weights (k, c) that give the motion of the centre line.
 
-        `fractions` (k,) of the length, 0..1; weights are the element's own shape functions.
+        `fractions` (k,) of the length, 0..1; weights are the element's own shape functions, c = 20,
+        or with a bore the mean of the corners around it.
         """
         quads = len(self.section[1])
         # The centre is the middle of the core's middle element, or a corner of one beside it.
@@ -137,8 +160,31 @@ class RodMesh:
         z = self.levels / self.length
         layer = np.clip(np.searchsorted(z, fractions, side="right") - 1, 0, self.along - 1)
         along = 2 * (fractions - z[layer]) / (z[layer + 1] - z[layer]) - 1
+        if self.bore:
+            return self._around_bore(layer, along)
         at = np.stack([np.full_like(along, corner), np.full_like(along, corner), along], axis=1)
         return self.elements[layer * quads + half * self.across + half], shape_functions(at)
+
+    def _around_bore(self, layer: Indices, along: Array) -> tuple[Indices, Array]:
+        # Of the innermost elements, the edge along the rod at their first corner.
+        quads = self.elements.reshape(self.along, -1, 20)
+        points = self.nodes[quads[0, :, :4], :2]
+        radius = np.linalg.norm(points, axis=-1)
+        quad, corner = np.nonzero(radius < radius.min() * (1 + 1e-9))
+        edge = np.stack([corner, corner + 16, corner + 4], axis=1)
+        nodes = quads[layer[:, None, None], quad[:, None], edge]
+        of = np.stack([along * (along - 1) / 2, 1 - along**2, along * (along + 1) / 2], axis=1)
+        weights = np.tile(of[:, None, :] / len(quad), (1, len(quad), 1))
+        return nodes.reshape(len(along), -1), weights.reshape(len(along), -1)
+
+
+def _area_kept(around: int) -> float:
+    """Return by how much a circle of parabolas is larger that encloses the circle's area.
+
+    A parabola over the angle 2a of a circle encloses sin(a) (4 - cos(a)) / 3, an arc a.
+    """
+    a = np.pi / around
+    return float(np.sqrt(3 * a / (np.sin(a) * (4 - np.cos(a)))))
 
 
 def shape_functions(at: Array) -> Array:

@@ -24,7 +24,7 @@ from analytic import (
 from analytic.pairing import mass_vectors, pair
 from reference_models import ModelError, reference
 from reference_models.solid import calculix as calculix_solid
-from reference_models.solid.calculix import CalculixSolid, check_answer, largest_gap
+from reference_models.solid.calculix import CalculixSolid, check_answer
 from reference_models.solid.calculix_deck import write
 from reference_models.solid.calculix_run import Answer
 
@@ -210,7 +210,7 @@ def test_any_number_of_limbs(robot: Mechanism) -> None:
 def test_what_it_reports(robot: Mechanism, case2: Pose) -> None:
     modes = CalculixSolid(4).modes(robot, case2, 2)
     deck = write(robot, case2, CalculixSolid(4)._mesh, "C3D20R", 2)
-    assert modes.dofs == 6 + sum(rod.coordinates for rod in deck.rods)
+    assert modes.dofs == deck.coordinates
     assert modes.version == f"ccx {CalculixSolid.info().version}"
     assert modes.version[4].isdigit()
     assert modes.theory == CalculixSolid.info().theory == "3-D elasticity, rigid end faces"
@@ -221,24 +221,25 @@ def test_what_it_reports(robot: Mechanism, case2: Pose) -> None:
 
 def test_an_open_joint_shows(robot: Mechanism, case2: Pose) -> None:
     deck = write(robot, case2, CalculixSolid(4)._mesh, "C3D20R", 6)
-    assert largest_gap(deck, robot) < 1e-12
-    for node in (deck.rods[1].anchor, deck.rods[2].tip, int(deck.held[0])):
+    assert deck.gap() < 1e-12
+    # A base face's reference node, a tip's, and the platform's node at A_1.
+    for node in (deck.joints[2][0], deck.joints[5][0], int(deck.held[0])):
         x = deck.points()[node - 1]
         line = f"\n{node},{','.join(f'{v:.12E}' for v in x)}\n"
         assert deck.text.count(line) == 1
         up = np.array([0.0, 0.0, 1e-3])
         moved = f"\n{node},{','.join(f'{v:.12E}' for v in x + up)}\n"
         opened = replace(deck, text=deck.text.replace(line, moved))
-        assert largest_gap(opened, robot) == pytest.approx(1e-3, rel=1e-9)
+        assert opened.gap() == pytest.approx(1e-3, rel=1e-9)
 
 
 def test_a_mode_that_opens_a_joint_is_refused(robot: Mechanism, case2: Pose) -> None:
     deck = write(robot, case2, CalculixSolid(4)._mesh, "C3D20R", 2)
-    still = np.ones((2, len(deck.shown), 3))
-    still[:, np.searchsorted(deck.shown, [rod.anchor for rod in deck.rods])] = 0
+    still = np.zeros((2, len(deck.shown), 3))
+    still[:, np.searchsorted(deck.shown, deck.lines[0][0].nodes[5, 0])] = 1.0
     good = Answer(np.array([1.0, 2.0]), deck.shown, still, 100)
     check_answer(good, deck, 2)
-    for node in (deck.rods[0].anchor, deck.rods[1].tip):
+    for node in (deck.joints[0][0], deck.joints[3][0]):
         moved = still.copy()
         moved[1, np.searchsorted(deck.shown, node), 2] += 1e-3
         with pytest.raises(ModelError, match=r"^calculix-solid: a mode opens a joint, by 1\.0e-03"):

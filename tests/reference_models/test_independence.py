@@ -2,18 +2,31 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Pose, Rod, Substructure, pose
+from analytic import (
+    InputError,
+    Mechanism,
+    Pose,
+    Rod,
+    Substructure,
+    network,
+    placed,
+    platform,
+    pose,
+)
 from analytic.theory import Theory
+from harness.case_file import load_cases
 from reference_models import UnavailableError, reference
 
 Array = NDArray[np.float64]
+CASES = load_cases(Path(__file__).parents[2] / "results" / "published" / "mechanisms.toml")
 
 
 @dataclass(frozen=True)
@@ -57,6 +70,40 @@ SLIPS = {
 """Of Section 2 and Eqs. (1), (2), (10)-(13)."""
 
 
+def _backwards(right: Any) -> Any:
+    return lambda self, arm: right(self, -arm)
+
+
+def _arms_turned(right: Any) -> Any:
+    def wrong(*given: Any) -> Any:
+        found = right(*given)
+        return replace(found, arms=-found.arms)
+
+    return wrong
+
+
+def _other_side(right: Any) -> Any:
+    return lambda mass, inertia, centre: right(mass, inertia, -centre)
+
+
+def _other_way(right: Any) -> Any:
+    return lambda self, item: right(self, item) * np.array([1, 1, 1, 1, -1, 1])[:, None]
+
+
+def _back(right: Any) -> Any:
+    return lambda R, matrix: right(R.swapaxes(-1, -2), matrix)
+
+
+CHAIN_SLIPS = {
+    "carried along a link": (network.Map, "carried", _backwards, "tricept"),
+    "from limb to global axes": (network, "_turned", _back, "hexapod"),
+    "o to A_i": (placed, "_placed", _arms_turned, "rps-real"),
+    "a joint's axis": (placed.Placed, "twists", _other_way, "prs"),
+    "the platform's centre": (platform, "body_mass", _other_side, "rps-real"),
+}
+"""Wrong signs in what carries motion along a chain: owner, name, what is wrong, who shows it."""
+
+
 def forget() -> None:
     """Have the analytic model compute all anew."""
     for name, module in list(sys.modules.items()):
@@ -90,3 +137,29 @@ def test_a_slip_in_the_analytic_model_is_seen(
     wrong = Substructure(3, beam=slip.theory).modes(robot, at).frequencies
     assert np.abs(wrong / right - 1).max() > 1e-3
     np.testing.assert_array_equal(simulator.modes(robot, at).frequencies, before)
+
+
+@pytest.mark.usefixtures("unknown")
+@pytest.mark.parametrize("slip", CHAIN_SLIPS.values(), ids=CHAIN_SLIPS)
+@pytest.mark.parametrize("seen_by", ["exudyn-beam", "mujoco-chain", "calculix-solid"])
+def test_a_wrong_sign_along_a_chain_is_seen(
+    slip: tuple[Any, str, Any, str], seen_by: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The simulator that agreed, keeps its numbers and no longer agrees."""
+    owner, name, wrong, case = slip
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    try:
+        simulator = reference(seen_by, 2 if seen_by == "calculix-solid" else 4)
+    except UnavailableError as reason:
+        pytest.skip(str(reason))
+    right = Substructure(3, beam="timoshenko").modes(mechanism, pose, 4).frequencies
+    before = simulator.modes(mechanism, pose, 4).frequencies
+    assert np.abs(before / right - 1).max() < 0.05
+    monkeypatch.setattr(owner, name, wrong(getattr(owner, name)))
+    forget()
+    try:
+        slipped = Substructure(3, beam="timoshenko").modes(mechanism, pose, 4).frequencies
+        assert np.abs(before / slipped - 1).max() > 2 * np.abs(before / right - 1).max()
+    except InputError:
+        pass  # refused: seen at once
+    np.testing.assert_array_equal(simulator.modes(mechanism, pose, 4).frequencies, before)

@@ -52,9 +52,9 @@ def test_extrapolated_meets_its_theory_everywhere(
 def test_observed_order(robot: Mechanism, case2: Pose, beam: str) -> None:
     limit = Substructure(32, beam).modes(robot, case2).frequencies
     coarse, fine = (
-        np.abs(MujocoChain(n, beam).modes(robot, case2).frequencies - limit) for n in (8, 16)
+        np.abs(MujocoChain(n, beam).modes(robot, case2).frequencies - limit) for n in (12, 24)
     )
-    np.testing.assert_allclose(np.log2(coarse / fine), MujocoChain.info().order, atol=0.12)
+    np.testing.assert_allclose(np.log2(coarse / fine), MujocoChain.info().order, atol=0.06)
 
 
 def test_stiffness_is_that_of_the_springs(robot: Mechanism, case2: Pose) -> None:

@@ -17,6 +17,10 @@ MESHES = [
     RodMesh(0.5, 0.1, along, across, grading)
     for along, across, grading in [(1, 1, 1.0), (4, 1, 3.0), (5, 2, 2.0), (8, 2, 3.0), (3, 3, 1.0)]
 ]
+MESHES += [
+    RodMesh(0.5, 0.1, along, across, 2.5, bore)
+    for along, across, bore in [(1, 1, 0.07), (5, 2, 0.02), (3, 3, 0.095)]
+]
 
 
 def integrals(mesh: RodMesh) -> tuple[Array, Array, Array]:
@@ -52,7 +56,8 @@ def test_shape_functions() -> None:
 def test_volume_second_moment_and_no_element_inside_out(mesh: RodMesh) -> None:
     x, volume, jacobian = integrals(mesh)
     assert (jacobian > 0).all()
-    area, second = math.pi * mesh.diameter**2 / 4, math.pi * mesh.diameter**4 / 64
+    area = math.pi * (mesh.diameter**2 - mesh.bore**2) / 4
+    second = math.pi * (mesh.diameter**4 - mesh.bore**4) / 64
     assert volume.sum() == pytest.approx(area * mesh.length, rel=1e-9)
     for axis in (0, 1):
         found = (volume * x[..., axis] ** 2).sum() / mesh.length
@@ -63,15 +68,16 @@ def test_volume_second_moment_and_no_element_inside_out(mesh: RodMesh) -> None:
 
 @pytest.mark.parametrize("mesh", MESHES, ids=repr)
 def test_nodes_are_shared_and_each_used(mesh: RodMesh) -> None:
-    assert mesh.elements.shape == (mesh.along * 5 * mesh.across**2, 20)
+    section = (8 if mesh.bore else 5) * mesh.across**2
+    assert mesh.elements.shape == (mesh.along * section, 20)
     assert np.array_equal(np.unique(mesh.elements), np.arange(len(mesh.nodes)))
     assert len(np.unique(np.round(mesh.nodes, 12), axis=0)) == len(mesh.nodes)
-    # Euler's count for a ball of hexahedra: corners - edges + faces - cells = 1.
+    # Euler's count for a ball of hexahedra: corners - edges + faces - cells = 1; with a hole 0.
     cells = mesh.elements[:, :8]
     edges = {frozenset(c[[a, b]].tolist()) for c in cells for a, b in cell_edges()}
     faces = {frozenset(c[list(face)].tolist()) for c in cells for face in cell_faces()}
     corners = len(np.unique(cells))
-    assert corners - len(edges) + len(faces) - len(cells) == 1
+    assert corners - len(edges) + len(faces) - len(cells) == (0 if mesh.bore else 1)
     assert corners + len(edges) == len(mesh.nodes)
 
 
@@ -90,8 +96,9 @@ def cell_faces() -> list[tuple[int, ...]]:
 
 @pytest.mark.parametrize("mesh", MESHES, ids=repr)
 def test_faces_and_centre_line(mesh: RodMesh) -> None:
-    # By Euler's formula, corners and edges of (across + 1)^2 + 4 across^2 points.
-    face = 15 * mesh.across**2 + 4 * mesh.across + 1
+    # By Euler's formula, corners and edges of (across + 1)^2 + 4 across^2 points, and of a ring.
+    n = mesh.across
+    face = 24 * n**2 + 16 * n if mesh.bore else 15 * n**2 + 4 * n + 1
     for nodes, z in ((mesh.base, 0.0), (mesh.tip, mesh.length)):
         assert (mesh.nodes[nodes, 2] == z).all()
         x = mesh.nodes[nodes, :2]
@@ -100,7 +107,8 @@ def test_faces_and_centre_line(mesh: RodMesh) -> None:
     fractions = np.linspace(0, 1, 23)
     nodes, weights = mesh.centre_line(fractions)
     line = np.einsum("kn,knx->kx", weights, mesh.nodes[nodes])
-    np.testing.assert_allclose(line[:, 2], fractions * mesh.length, rtol=0, atol=1e-15)
+    rounding = 1e-14 if mesh.bore else 1e-15  # of a mean over many nodes
+    np.testing.assert_allclose(line[:, 2], fractions * mesh.length, rtol=0, atol=rounding)
     assert np.abs(line[:, :2]).max() < 1e-16
 
 
@@ -125,3 +133,9 @@ def test_bad_input(argument: str, value: Any) -> None:
     good = {"length": 0.5, "diameter": 0.1, "along": 4, "across": 1}
     with pytest.raises(InputError, match=f"^{argument} = {value}: expected"):
         RodMesh(**(good | {argument: value}))
+
+
+def test_a_hole_leaves_a_wall() -> None:
+    for bore in (-0.01, 0.1, 0.2):
+        with pytest.raises(InputError, match="bore"):
+            RodMesh(0.5, 0.1, 4, 1, bore=bore)
