@@ -1,6 +1,7 @@
 """Exudyn's geometrically exact beam as the limbs of the mechanism."""
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -13,6 +14,7 @@ from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.exudyn.chain import chain_modes
+from reference_models.exudyn.chain_beams import add_beams
 from reference_models.exudyn.system import (
     Axis,
     Line,
@@ -52,7 +54,8 @@ class ExudynBeam:
         """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""
         if not mechanism.simple:
             theory = self.info().theory
-            return chain_modes(NAME, theory, self.elements, self._kappas, mechanism, pose, count)
+            add = partial(add_beams, self.elements, self._kappas)
+            return chain_modes(NAME, theory, self.elements, add, mechanism, pose, count)
         ratios = {limb.rod.material.poisson for limb in mechanism.limbs}
         kappas = sorted({shear_coefficient(self.shear, ratio) for ratio in ratios})
         labels = "; ".join(f"Timoshenko, kappa={kappa:.4g}" for kappa in kappas)

@@ -1,6 +1,7 @@
 """Exudyn's absolute nodal coordinate cable as the limbs of the mechanism."""
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,6 +12,8 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
+from reference_models.exudyn.chain import chain_modes
+from reference_models.exudyn.chain_cables import add_cables
 from reference_models.exudyn.system import (
     Axis,
     Line,
@@ -44,7 +47,13 @@ class ExudynCable:
         return describe(THEORY, 4, (8, 16), remark, limit="euler-bernoulli", torsion=False)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`."""
+        """Return the `count` lowest modes at one pose; raises as `exudyn_system.run`.
+
+        Limbs of any chain that twists no rod are taken, see `chain_cables`.
+        """
+        if not mechanism.simple:
+            add = partial(add_cables, self.elements)
+            return chain_modes(NAME, THEORY, self.elements, add, mechanism, pose, count, spin=False)
         return run(NAME, THEORY, self.elements, self._add_rod, mechanism, pose, count)
 
     def _add_rod(self, exu: Any, mbs: Any, axis: Axis) -> Line:

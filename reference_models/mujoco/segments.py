@@ -14,57 +14,14 @@ from numpy.typing import NDArray
 from analytic.mechanism import Body, Joint, Link, Rod
 from reference_models.chain_placement import Standing
 from reference_models.mujoco.rig import text
+from reference_models.series import Series
 
 Array = NDArray[np.float64]
 
 LIGHT = 1e-10
 """Mass and inertia of a body that stands for none, of its limb's: MuJoCo demands some."""
-NONE = 1e-14
-"""Compliance below this part of the largest at the same point is rounding: rigid."""
 Spring = tuple[str, Array, float]
 """MuJoCo's kind of joint, its axis in the limb's axes (3,), its stiffness."""
-
-
-@dataclass(frozen=True)
-class Series:
-    """What gives way in one way, to move or to turn, at a point: all of it in series.
-
-    Attributes, in the limb's axes: `free` directions (f, 3); compliance `before`, `own` and
-    `after` (3, 3): of the rod that ends there, of the joint, and of the rod that starts.
-    """
-
-    free: Array = field(default_factory=lambda: np.zeros((0, 3)))
-    before: Array = field(default_factory=lambda: np.zeros((3, 3)))
-    own: Array = field(default_factory=lambda: np.zeros((3, 3)))
-    after: Array = field(default_factory=lambda: np.zeros((3, 3)))
-
-    def _apart(self) -> tuple[Array, Array, Array]:
-        """Return free directions (3, f), the others that give way (3, g) and their compliance."""
-        _, size, axes = np.linalg.svd(self.free)
-        rank = int((size > 1e-9).sum())
-        free, held = axes[:rank].T, axes[rank:].T
-        c, principal = np.linalg.eigh(held.T @ (self.before + self.own + self.after) @ held)
-        gives = c > NONE * c.max(initial=0.0)
-        return free, held @ principal[:, gives], c[gives]
-
-    def springs(self, kind: str) -> list[Spring]:
-        """Return joints of MuJoCo that give way likewise."""
-        free, axes, c = self._apart()
-        sprung: list[Spring] = [
-            (kind, axis, float(1 / s)) for axis, s in zip(axes.T, c, strict=True)
-        ]
-        return [*((kind, axis, 0.0) for axis in free.T), *sprung]
-
-    def shares(self) -> tuple[Array, Array]:
-        """Return what part of a relative motion is `before`'s, and what part `after`'s, (3, 3)."""
-        _, axes, c = self._apart()
-        stiffness = (axes / c) @ axes.T
-        return self.before @ stiffness, self.after @ stiffness
-
-    @property
-    def all_free(self) -> bool:
-        """Whether nothing resists in any direction."""
-        return bool(self._apart()[0].shape[1] == 3)
 
 
 @dataclass
@@ -77,18 +34,8 @@ class Gap:
 
     def add_joint(self, joint: Joint, limb: Standing, R: Array) -> None:
         """Add a joint's freedoms; R is the platform's rotation."""
-        for freedom in joint.freedoms:
-            if freedom.stiffness == np.inf:
-                continue
-            axis = limb.frame.T @ limb.axis(freedom, R)
-            name = "turn" if freedom.kind == "rotation" else "shift"
-            old: Series = getattr(self, name)
-            if freedom.stiffness:
-                own = old.own + np.outer(axis, axis) / freedom.stiffness
-                new = Series(old.free, old.before, own, old.after)
-            else:
-                new = Series(np.vstack([old.free, axis]), old.before, old.own, old.after)
-            setattr(self, name, new)
+        self.shift = self.shift.joined(joint, "translation", limb, R)
+        self.turn = self.turn.joined(joint, "rotation", limb, R)
 
     def add_rod(self, rod: Rod, length: float, side: str) -> None:
         """Add so much of a rod; `side` "before" where it ends here, "after" where it starts."""
@@ -105,7 +52,12 @@ class Gap:
     @property
     def springs(self) -> list[Spring]:
         """All joints of MuJoCo that stand for it."""
-        return [*self.shift.springs("slide"), *self.turn.springs("hinge")]
+        found: list[Spring] = []
+        for kind, series in (("slide", self.shift), ("hinge", self.turn)):
+            free, axes, c = series.apart()
+            found += [(kind, axis, 0.0) for axis in free.T]
+            found += [(kind, axis, float(1 / s)) for axis, s in zip(axes.T, c, strict=True)]
+        return found
 
 
 @dataclass(frozen=True)

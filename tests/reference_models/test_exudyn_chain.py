@@ -1,5 +1,8 @@
 """Limbs of any chain in Exudyn: another program's beams, joints and assembly."""
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -15,11 +18,14 @@ from analytic import (
     Platform,
     Pose,
     Rod,
+    Section,
 )
 from analytic.mechanism import Item
 from analytic.pairing import pair
 from reference_models.exudyn.beam import ExudynBeam
+from reference_models.exudyn.cable import ExudynCable
 from reference_models.exudyn.chain import chain_modes
+from reference_models.exudyn.chain_beams import add_beams
 from reference_models.mujoco.chain import MujocoChain
 from reference_models.richardson import Richardson
 
@@ -27,7 +33,8 @@ from reference_models.richardson import Richardson
 def test_the_papers_limbs_as_chains_are_those_of_the_model_for_them() -> None:
     robot, pose = Mechanism.paper(), Pose(0.49, 0.2, -0.2)
     model = ExudynBeam(6)
-    found = chain_modes("exudyn-beam", "", 6, model._kappas, robot, pose, 8)
+    add = partial(add_beams, 6, model._kappas)
+    found = chain_modes("exudyn-beam", "", 6, add, robot, pose, 8)
     known = model.modes(robot, pose, 8)
     assert found.frequencies == pytest.approx(known.frequencies, rel=1e-8)
     assert np.abs(found.limbs - known.limbs).max() < 1e-5 * np.abs(known.limbs).max()
@@ -71,3 +78,43 @@ def test_what_exudyn_cannot_take_is_said() -> None:
         known = Continuum().modes(robot, POSE).frequencies
         chain = Richardson(MujocoChain(8), MujocoChain(16), 2).modes(robot, POSE).frequencies
         np.testing.assert_allclose(chain, known, rtol=1e-4)
+
+
+def test_cables_take_what_twists_no_rod() -> None:
+    """Springs at the base, two rods on a drive that gives way sideways too."""
+    base = Joint((
+        Freedom("rotation", (0, 1, 0), stiffness=3e5),
+        Freedom("rotation", (1, 0, 0), "limb", 2e5),
+        Freedom("translation", (0, 0, 1), stiffness=1e8),
+        Freedom("translation", (0, 1, 0), stiffness=4e7),
+    ))  # fmt: skip
+    drive = Joint((
+        Freedom("translation", (0, 0, 1), "limb", 6e7),
+        Freedom("translation", (1, 0, 0), "limb", 9e7),
+        Freedom("rotation", (0, 1, 0), "limb", 5e5),
+    ))  # fmt: skip
+    tube = replace(Rod.round(STEEL, 0.06, 0.04), length=0.2)
+    robot = three(base, tube, drive, Rod.round(STEEL, 0.04), Joint.spherical())
+    pose = replace(POSE, x=0.0, y=0.0, azimuth=0.0, tilt=0.0)
+    found = ExudynCable(12).modes(robot, pose, 6)
+    exact = Continuum().modes(robot, pose, 6)
+    np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=1e-6)
+    assert (pair(found, exact, robot, pose).assurance > 0.999).all()
+    assert found.residual is not None and found.residual < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("chain", "said"),
+    [
+        ((Joint.universal((0, 1, 1)), Rod.round(STEEL, 0.05), Joint.spherical()), "turn about it"),
+        ((Joint.spherical(), Rod.round(STEEL, 0.05), Joint.universal((0, 1, 0))), "a ball"),
+        ((Joint.revolute((0, 1, 0)), Link(0.1), Rod.round(STEEL, 0.05), Joint.spherical()),
+         "rods and joints"),
+        ((Joint.revolute((0, 1, 0)), Rod(STEEL, Section(1e-3, (1e-7, 2e-7), 1e-7)),
+          Joint.spherical()), "alike in every direction"),
+    ],
+)  # fmt: skip
+def test_cables_refuse_what_has_torsion_to_carry(chain: tuple[Item, ...], said: str) -> None:
+    pose = replace(POSE, x=0.0, y=0.0, azimuth=0.0, tilt=0.0)
+    with pytest.raises(InputError, match=f"limb 1, .*{said}.*no torsion to carry"):
+        ExudynCable(4).modes(three(*chain), pose)

@@ -14,6 +14,7 @@ from harness.case_file import load_cases
 from reference_models import Named
 from reference_models.catalogue import catalogue
 from reference_models.exudyn.beam import ExudynBeam
+from reference_models.exudyn.cable import ExudynCable
 from reference_models.mujoco.chain import MujocoChain
 from reference_models.richardson import Richardson
 from reference_models.solid.calculix import CalculixSolid
@@ -26,7 +27,9 @@ STOUT = {"rps", "four-rps"}
 """Limbs of one rod, whose high modes need finer meshes."""
 COARSE = {"mujoco-cable": 3, "mujoco-composite": 3, "mujoco-chain": 4, "calculix-solid": 2,
           "exudyn-beam": 4, "exudyn-cable": 4}  # fmt: skip
-TAKEN = {"exudyn-beam": set(CASES), "mujoco-chain": set(CASES), "calculix-solid": set(CASES)}
+UNTWISTED = {"four-rps", "six-sps"}
+TAKEN = {"exudyn-beam": set(CASES), "mujoco-chain": set(CASES), "calculix-solid": set(CASES),
+         "exudyn-cable": {"rps", *UNTWISTED}}  # fmt: skip
 """What simulators of any chain must answer; the others answer the paper's limbs."""
 
 
@@ -58,6 +61,16 @@ def test_exudyn_beams_are_timoshenko_s(case: str) -> None:
     exact = Continuum("timoshenko").modes(mechanism, pose, 8)
     np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=3e-4)
     assert found.residual is not None and found.residual < 1e-12
+    assert (pair(found, exact, mechanism, pose).assurance > 0.99).all()
+
+
+@pytest.mark.parametrize("case", sorted(UNTWISTED))
+def test_exudyn_cables_are_euler_bernoulli_s(case: str) -> None:
+    """Where nothing twists a rod: 5e-5 on f1-f8 by eight elements a rod."""
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    found = ExudynCable(8).modes(mechanism, pose, 8)
+    exact = Continuum().modes(mechanism, pose, 10)
+    np.testing.assert_allclose(found.frequencies, exact.frequencies[:8], rtol=5e-5)
     assert (pair(found, exact, mechanism, pose).assurance > 0.99).all()
 
 
