@@ -14,6 +14,7 @@ from analytic.pose import Pose
 from reference_models.chain_placement import Standing, largest_gap, stand
 from reference_models.exudyn.system import add_rigid_nodes, load, system
 from reference_models.projection import constrained_modes, vibrations
+from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
 
 Array = NDArray[np.float64]
@@ -74,20 +75,25 @@ def _solve(
 ) -> Modes:  # fmt: skip
     exu = load()
     begin = time.perf_counter()
-    o, R, limbs = stand(mechanism, pose)
+    with phase("building"):
+        o, R, limbs = stand(mechanism, pose)
     with system(exu, name) as mbs:
-        (node,) = add_rigid_nodes(exu, mbs, o[None], R)
-        body = rigid(exu, mbs, node, mechanism.platform, np.eye(3))
-        built = Built()
-        for limb in limbs:
-            add_limb(exu, mbs, limb, body, R, built)
-        mbs.Assemble()
-        where = exu.OutputVariableType.Position
-        ends = np.array([[mbs.GetMarkerOutput(m, where) for m in j] for j in built.joints])
-        tips = ends[[k - 1 for k in built.tips], 1]
-        apart = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
-        residual = max(apart, largest_gap(limbs, R, tips))
-        M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
+        with phase("building"):
+            (node,) = add_rigid_nodes(exu, mbs, o[None], R)
+            body = rigid(exu, mbs, node, mechanism.platform, np.eye(3))
+            built = Built()
+            for limb in limbs:
+                add_limb(exu, mbs, limb, body, R, built)
+        with phase(SIMULATOR):
+            mbs.Assemble()
+        with phase("shapes"):
+            where = exu.OutputVariableType.Position
+            ends = np.array([[mbs.GetMarkerOutput(m, where) for m in j] for j in built.joints])
+            tips = ends[[k - 1 for k in built.tips], 1]
+            apart = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).max())
+            residual = max(apart, largest_gap(limbs, R, tips))
+        with phase(SIMULATOR):
+            M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
         made = time.perf_counter()
         # As many modes more as limbs that could spin between two balls.
         spare = sum(limb.may_spin for limb in limbs) if spin else 0
@@ -95,18 +101,18 @@ def _solve(
         kept = vibrations(name, frequencies, spare, count)
         frequencies, q = frequencies[kept], q[:, kept]
         solved = time.perf_counter()
-        of = exu.OutputVariableType
-        velocity, turning = of.Velocity, of.AngularVelocity
-        platform, lines = [], []
-        for mode in q.T:
-            mbs.systemData.SetODE2Coordinates_t(mode)
-            platform.append(
-                np.r_[mbs.GetNodeOutput(node, velocity), mbs.GetNodeOutput(node, turning)]
-            )
-            lines.append([
-                [_velocity(limb, line, station) for station in STATIONS]
-                for line, limb in zip(built.lines, limbs, strict=True)
-            ])  # fmt: skip
+        with phase("shapes"):
+            of = exu.OutputVariableType
+            platform, lines = [], []
+            for mode in q.T:
+                mbs.systemData.SetODE2Coordinates_t(mode)
+                platform.append([
+                    mbs.GetNodeOutput(node, which) for which in (of.Velocity, of.AngularVelocity)
+                ])  # fmt: skip
+                lines.append([
+                    [_velocity(limb, line, station) for station in STATIONS]
+                    for line, limb in zip(built.lines, limbs, strict=True)
+                ])  # fmt: skip
     return Modes(
         frequencies=frequencies,
         platform=np.array(platform).reshape(-1, 6),

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from analytic import (
     Continuum,
@@ -118,3 +119,33 @@ def test_cables_refuse_what_has_torsion_to_carry(chain: tuple[Item, ...], said: 
     pose = replace(POSE, x=0.0, y=0.0, azimuth=0.0, tilt=0.0)
     with pytest.raises(InputError, match=f"limb 1, .*{said}.*no torsion to carry"):
         ExudynCable(4).modes(three(*chain), pose)
+
+
+@pytest.mark.parametrize("model", [ExudynBeam(2), MujocoChain(2)], ids=["beam", "chain"])
+def test_rigid_struts_on_springs_are_six_springs(model: ExudynBeam | MujocoChain) -> None:
+    """A hexapod without rods: K = sum k a a^T of struts along a = (z, arm x z)."""
+    k, drive = 2e7, Joint.prismatic(None, 2e7)
+    struts = [
+        Limb(
+            (0.6 * np.cos(b), 0.6 * np.sin(b), 0.0),
+            (0.4 * np.cos(p), 0.4 * np.sin(p), 0.0),
+            (Joint.universal((0, 0, 1)), Link(0.3), drive, Link(), Joint.spherical()),
+        )
+        for turn in range(3)
+        for b, p in ((2 * np.pi * turn / 3 + s * 0.2, 2 * np.pi * turn / 3 + s * 0.8)
+                     for s in (-1, 1))
+    ]  # fmt: skip
+    plate = Platform(42.0, ((1.6, 0, 0), (0, 1.6, 0), (0, 0, 3.1)), centre=(0, 0, 0.02))
+    robot, at = Mechanism(tuple(struts), plate), np.array([0.05, -0.02, 0.7])
+    rows = []
+    for strut in struts:
+        arm = np.array(strut.platform_point)
+        span = at + arm - np.array(strut.base)
+        z = span / np.linalg.norm(span)
+        rows.append(np.concatenate([z, np.cross(arm, z)]))
+    K = k * np.array(rows).T @ np.array(rows)
+    omega2 = scipy.linalg.eigh(K, plate.mass_matrix, eigvals_only=True)
+    found = model.modes(robot, Pose.at(at), 6)
+    np.testing.assert_allclose(found.frequencies, np.sqrt(omega2) / (2 * np.pi), rtol=1e-7)
+    # Struts are rigid but for their drives: their lines are straight on either side.
+    np.testing.assert_allclose(found.limbs[:, :, 0], 0, atol=1e-9 * np.abs(found.limbs).max())
