@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import certified
+from analytic.correction import CONVERGED, MOST_STEPS, SAFETY, corrected
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
@@ -30,10 +31,6 @@ Loop = Callable[..., Any]
 
 CHUNK = 350
 """Poses solved at once: what fits into the processor's cache."""
-CONVERGED = 1e-9
-"""Estimated relative change of omega^2 at which the iteration ends."""
-MOST_STEPS = 5
-"""Newton's steps after which a pose is left to the roots by rank."""
 CLOSE = 1e-3
 """The last mode wanted stays this far, relative, below where the tables end."""
 BESIDE = 1e-8
@@ -240,15 +237,16 @@ def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDA
     """Return omega^2 (N, count), and where they are certain to be the lowest, (N,)."""
     N = len(problem.lengths)
     if loop is None:
-        P, slope = problem.chord()
-        start, motion = problem.pencil(P, slope)
-        found, settled = corrected(problem, P, slope, start, motion, count)
+        chord = problem.chord()
+        start, motion = problem.pencil(chord.P, chord.slope)
+        found, settled = corrected(problem, chord, start, motion, count)
         below = None
     else:
         start, found = np.empty((N, 6 + problem.poles.shape[1])), np.empty((N, count))
         settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
         arrays = (problem.poles, problem.residues, problem.owner, problem.powers, problem.caps)
-        loop(problem.vectors, *arrays, CONVERGED, BESIDE, start, found, settled, below)
+        stops = CONVERGED, SAFETY, MOST_STEPS, BESIDE
+        loop(problem.vectors, *arrays, *stops, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
     inside &= found[:, 0] > GRADED * start[:, -1]
@@ -256,73 +254,6 @@ def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDA
     if poor.any():
         found[poor] = _by_rank(problem[poor], start[poor, :count])
     return found, inside & _certain(problem, found, below if settled.all() else None)
-
-
-def corrected(
-    problem: Reduced, P: Floats, slope: Floats, start: Floats, motion: Floats, count: int
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Correct the lowest `start` values for the curvature of P; also say where that converged.
-
-    Two steps are enough for most poses, and are estimated to be; the others take more.
-    """
-    found, settled = _steps(problem, P, slope, start, motion, count, 2)
-    if not settled.all():
-        k = np.flatnonzero(~settled)
-        some = problem[k], P[k], slope[k], start[k], motion[k]
-        found[k], settled[k] = _steps(*some, count, MOST_STEPS)
-    return found, settled
-
-
-@np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def _steps(
-    problem: Reduced, P: Floats, slope: Floats, start: Floats, motion: Floats, count: int, most: int
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return what `corrected` does, in `most` steps of Newton's.
-
-    In the basis of the start's vectors the matrix is diag(start) - lambda + V^T rho(lambda) V,
-    with rho small: y_j = -(V^T rho V y)_j / (start_j - lambda), and lambda by Rayleigh's quotient.
-    Repeated modes may divide zero by zero; they do not settle.
-    """
-    lowest, limit, end = start[:, :count], problem.limit, problem.end[:, None]
-    transposed = np.ascontiguousarray(motion.swapaxes(1, 2))
-    x, value = np.ascontiguousarray(transposed[:, :count].swapaxes(0, 1)), lowest
-    own = np.arange(count)
-    gap = start[:, None, :] - lowest[..., None]
-    before: tuple[Floats, Floats, Floats] | None = None
-    for _ in range(most):
-        at = value.T
-        rho = problem.smooth(np.minimum(at, limit))
-        rho -= P
-        rho -= slope * at[..., None]
-        difference = gap + (lowest - value)[..., None]
-        difference[:, own, own] = -1.0
-        y = (rho * x).swapaxes(0, 1) @ motion
-        y /= -difference
-        y[:, own, own] = 1.0
-        x = (y @ transposed).swapaxes(0, 1)
-        square = y * y
-        norm = square.sum(axis=-1)
-        answer = np.einsum("ncj,ncj->nc", square, gap) + np.einsum("cnk,cnk,cnk->nc", rho, x, x)
-        answer = lowest + answer / norm
-        change = answer - value
-        if before is None:
-            # The quotient's own slope, as P departs from its chord like lambda (lambda - end).
-            slower = (answer - lowest) * (2 * value - end) / (value * (value - end))
-            unsure = np.full_like(value, np.inf)
-        else:
-            # All but linear in lambda: a secant finds where the quotient meets the diagonal.
-            step = value - before[0]
-            slower = np.where(np.abs(step) > 1e-8 * value, (answer - before[1]) / step, before[2])
-            unsure = np.abs(slower - before[2])
-        slower = np.where(np.abs(slower) < 0.5, slower, 0.0)
-        before = value, answer, slower
-        value = value + change / (1 - slower)
-        # What the next step would still change, the slope being wrong by as much as it moved.
-        left = np.minimum(np.abs(change), unsure * np.abs(change) / (1 - np.abs(slower)))
-        settled = ((left < CONVERGED * value).all(axis=1)) & (norm.max(axis=1) < 1.01)
-        if settled.all():
-            break
-    return value, settled
 
 
 def _by_rank(problem: Reduced, guess: Floats) -> Floats:

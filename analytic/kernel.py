@@ -1,6 +1,6 @@
 """The inner loop of `condensed` for a compiler (numba), where one is installed.
 
-The same steps as `Reduced.pencil` and `condensed.corrected` in numpy, a pose at a time: Cholesky,
+The same steps as `Reduced.pencil` and `correction.corrected` in numpy, a pose at a time: Cholesky,
 Householder's tridiagonal form, implicit QL (Golub and Van Loan, 8.3), then the correction. Only the
 vectors' part that moves the platform is carried along.
 """
@@ -14,7 +14,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.reduced import NODES
+
 Floats = NDArray[np.float64]
+NEAR, BESIDE, _, BEYOND = NODES
 
 
 @lru_cache(maxsize=1)
@@ -41,13 +44,18 @@ def solve_poses(
     powers: Floats,
     caps: Floats,
     tolerance: float,
-    beside: float,
+    safety: float,
+    most: int,
+    past: float,
     start: Floats,
     found: Floats,
     settled: NDArray[np.bool_],
     below: NDArray[np.int64],
 ) -> None:
-    """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`."""
+    """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`.
+
+    `tolerance`, `safety` and `most` are of `correction`; modes are counted `past` the last root.
+    """
     terms, N, K = powers.shape
     m = start.shape[1]
     p = m - 6
@@ -63,9 +71,10 @@ def solve_poses(
     x, rho, t, y = np.empty(K), np.empty(K), np.empty(K), np.empty(m)
     order = np.empty(m, dtype=np.int64)
     P, slope, scale = np.empty(K), np.empty(K), np.empty(K)
+    bend, by = np.empty(K), np.empty(K)
     power = np.empty((terms, K))
     for n in range(N):
-        # The chord of P, with this pose's powers side by side.
+        # The chord of P and its bend, with this pose's powers side by side.
         limit, end = np.inf, np.inf
         for k in range(K):
             limit = min(limit, caps[n, k])
@@ -75,15 +84,24 @@ def solve_poses(
                 power[j, k] = powers[j, n, k]
         for q in range(p):
             end = min(end, poles[n, q])
-        end = min(end, limit)
+        end = min(end, limit / BEYOND)
         for k in range(K):
-            P[k], slope[k] = power[terms - 1, k], power[terms - 1, k]
+            P[k] = slope[k] = bend[k] = by[k] = power[terms - 1, k]
         for j in range(terms - 2, -1, -1):
             for k in range(K):
-                P[k] = power[j, k] - P[k]
-                slope[k] = slope[k] * (end * scale[k] - 1.0) + power[j, k]
+                unit = end * scale[k]
+                P[k] = P[k] * (NEAR * unit - 1.0) + power[j, k]
+                bend[k] = bend[k] * (BESIDE * unit - 1.0) + power[j, k]
+                slope[k] = slope[k] * (unit - 1.0) + power[j, k]
+                by[k] = by[k] * (BEYOND * unit - 1.0) + power[j, k]
         for k in range(K):
-            slope[k] = (slope[k] - P[k]) / end
+            rise = (slope[k] - P[k]) / (1.0 - NEAR)
+            P[k] -= NEAR * rise
+            slope[k] = rise / end
+            bend[k] = (bend[k] - P[k] - BESIDE * rise) / ((BESIDE - NEAR) * (BESIDE - 1.0))
+            by[k] = (by[k] - P[k] - BEYOND * rise) / ((BEYOND - NEAR) * (BEYOND - 1.0))
+            by[k] = (by[k] - bend[k]) / (BEYOND - BESIDE)
+            bend[k] -= BESIDE * by[k]
         # C C^T = I - sum slope_k a_k a_k^T, and the directions in those coordinates.
         for i in range(6):
             for j in range(i + 1):
@@ -215,19 +233,29 @@ def solve_poses(
                 for j in range(6):
                     total += at[k, j] * Z[order[i], j]
                 V[k, i] = total
-        # The correction for the curvature of P_k, as in `condensed.corrected`.
-        for i in range(m):
-            d[i] = start[n, i]
+        # The correction for the curvature of P_k, as in `correction.corrected`.
+        for j in range(m):
+            d[j] = start[n, j]
+            v[j], w[j] = 0.0, 0.0
+        for k in range(K):
+            for j in range(m):
+                v[j] += bend[k] / end * V[k, j] * V[k, j]
+                w[j] += by[k] / end * V[k, j] * V[k, j]
         settled[n] = True
         for i in range(count):
+            u, slower = d[i] / end, 0.0
+            for _ in range(2):
+                line, across = v[i] + w[i] * u, (u - NEAR) * (u - 1.0)
+                slower = (2.0 * u - 1.0 - NEAR) * line + across * w[i]
+                u += (d[i] / end + across * line - u) / (1.0 - slower)
+            value = u * end
             for k in range(K):
                 x[k] = V[k, i]
-            value = start[n, i]
-            old_value, old_answer, slower = value, value, 0.0
+            last, answered = value, value
             good = False
-            for step in range(4):
+            for step in range(1, most + 1):
                 at_most = min(value, limit)
-                quotient = 0.0
+                u = value / end
                 for k in range(K):
                     t[k] = at_most * scale[k] - 1.0
                     rho[k] = power[terms - 1, k]
@@ -237,16 +265,19 @@ def solve_poses(
                 for k in range(K):
                     rho[k] -= P[k] + slope[k] * value
                     t[k] = rho[k] * x[k]
+                across = end * (NEAR - u) * (u - 1.0)
                 for j in range(m):
-                    y[j] = 0.0
+                    beta[j] = across * (v[j] + w[j] * u)
+                    y[j] = beta[j] * y[j] if step > 1 else 0.0
                 for k in range(K):
                     for j in range(m):
                         y[j] += t[k] * V[k, j]
-                norm = 0.0
+                norm, quotient, mixed = 0.0, 0.0, 0.0
                 for j in range(m):
-                    y[j] = 1.0 if j == i else -y[j] / (d[j] - value)
+                    y[j] = 1.0 if j == i else y[j] / (beta[j] - d[j] + value)
                     norm += y[j] * y[j]
                     quotient += y[j] * y[j] * (d[j] - d[i])
+                    mixed += y[j] * y[j] * abs(d[j] - d[i])
                 for k in range(K):
                     total = 0.0
                     for j in range(m):
@@ -254,20 +285,26 @@ def solve_poses(
                     x[k] = total
                 for k in range(K):
                     quotient += rho[k] * x[k] * x[k]
-                answer = start[n, i] + quotient / norm
-                good = abs(answer - value) < tolerance * abs(answer) and norm < 1.01
-                if step > 0 and abs(value - old_value) > 1e-8 * value:
-                    slower = (answer - old_answer) / (value - old_value)
-                    if not abs(slower) <= 0.5:
-                        slower = 0.0
-                old_value, old_answer = value, answer
-                value += (answer - value) / (1.0 - slower)
+                answer = d[i] + quotient / norm
+                change = answer - value
+                if step == 1:
+                    unsure = safety * abs(slower * change / (value - d[i]))
+                else:
+                    secant = slower
+                    if abs(value - last) > 1e-8 * value:
+                        secant = (answer - answered) / (value - last)
+                    unsure = abs(secant - slower)
+                    slower = secant if abs(secant) < 0.5 else 0.0
+                last, answered = value, answer
+                value += change / (1.0 - slower)
+                left = min(unsure, 1.0) * abs(change) + safety * mixed * (norm - 1.0) ** step
+                good = left < tolerance * value and norm < 1.01
                 if good:
                     break
             found[n, i] = value
             settled[n] = settled[n] and good
         # Wittrick and Williams: poles, and negative pivots of D, below a point just past the last.
-        value = found[n, count - 1] * (1.0 + beside)
+        value = found[n, count - 1] * (1.0 + past)
         below[n] = 0
         for k in range(K):
             rho[k] = power[terms - 1, k]

@@ -55,10 +55,15 @@ class Limbs:
         Row k of limb i is a_k = [c, p_i x c]: in the moving frame, c is the axis and p_i = o A_i.
         A platform displacement U moves A_i by a_k . U along it; a force f along it is f a_k at o.
         """
-        R = self.rotation[..., None, :, :]
-        c = self.frames.swapaxes(-1, -2) @ R
-        points = (self.arms[..., None, :] @ R)[..., 0, :]
-        return np.concatenate([c, _cross(points[..., None, :], c)], axis=-1)
+        axes, R = self.frames.swapaxes(-1, -2), self.rotation
+        found = np.empty((*axes.shape[:-1], 6), dtype=axes.dtype)
+        c, moments = found[..., :3], found[..., 3:]
+        # All limbs of a pose in one product.
+        c[:] = (axes.reshape(*R.shape[:-2], -1, 3) @ R).reshape(axes.shape)
+        p = (self.arms @ R)[..., None, :]
+        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            moments[..., i] = p[..., j] * c[..., k] - p[..., k] * c[..., j]
+        return found
 
 
 def limbs_at(mechanism: Mechanism, pose: Pose) -> Limbs:

@@ -10,7 +10,7 @@ matters while the table is made, never afterwards.
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,8 +22,8 @@ from analytic.waves import Array, Sections
 
 MARGIN = 0.4
 """The polynomial reaches this part of the way to the first pole it leaves out."""
-DEGREE = 17
-"""Of the polynomial: the pole left out, 1 / MARGIN away, costs (8 to 1)^-17 < 1e-15."""
+DEGREE = 15
+"""Of the polynomial: the pole left out, 1 / MARGIN away, costs (8 to 1)^-15 < 1e-13."""
 EXACT = 2e-13
 """Largest relative error of a table, against the dynamic stiffness itself."""
 LARGEST = 40
@@ -50,21 +50,30 @@ class LimbModes:
     def at(
         self, lengths: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return poles x_j (N, p), residues c_j (N, p) and P's powers (DEGREE + 1, N, 3)."""
-        low, high = _inverse_squares(self.span)
-        u = (2 / lengths**2 - (high + low)) / (high - low)
-        # T_k(u), a row each: their product with the table is one call of BLAS.
-        T = np.ones((max(len(self.table), 2), len(u)))
-        T[1] = u
-        for k in range(2, len(T)):
-            np.multiply(2 * u, T[k - 1], out=T[k])
-            T[k] -= T[k - 2]
-        T, poles = T[: len(self.table)].T, sum(self.kept)
-        values = T @ self.table[:, : 2 * poles]
-        smooth = self.table[:, 2 * poles :].reshape(-1, 3, DEGREE + 1).transpose(2, 0, 1)
-        # A table of one row is the same for all lengths.
-        powers = np.matmul(T, smooth) if len(self.table) > 1 else smooth.repeat(len(u), axis=1)
-        return values[:, :poles], values[:, poles:], powers
+        """Return poles x_j (N, p), residues c_j (N, p) and P's powers (DEGREE + 1, N, 3).
+
+        N is 1 where they are the same for all lengths.
+        """
+        poles, columns = self.columns
+        if len(self.table) > 1:
+            low, high = _inverse_squares(self.span)
+            u = (2 / lengths**2 - (high + low)) / (high - low)
+            # T_k(u), a row each: their product with the table is one call of BLAS.
+            T = np.ones((len(self.table), len(u)))
+            T[1] = u
+            for k in range(2, len(T)):
+                np.multiply(2 * u, T[k - 1], out=T[k])
+                T[k] -= T[k - 2]
+            poles, columns = T.T @ poles, np.matmul(T.T, columns)
+        kept = sum(self.kept)
+        return poles[:, :kept], poles[:, kept:], columns
+
+    @cached_property
+    def columns(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The table's columns: poles and residues (q, 2 p), powers of P (DEGREE + 1, q, 3)."""
+        poles = 2 * sum(self.kept)
+        powers = self.table[:, poles:].reshape(-1, 3, DEGREE + 1).transpose(2, 0, 1)
+        return self.table[:, :poles], np.ascontiguousarray(powers)
 
 
 def units(rod: Sections, lengths: Array) -> tuple[Array, Array]:

@@ -28,12 +28,13 @@ Floats = NDArray[np.float64]
 class Constants:
     """What poses share.
 
-    Attributes: the limbs' `rods` and, `alike`, which of them are equal; `unit` (6, 6), by which a
-    row of `Limbs.directions` is multiplied for coordinates in which the platform's mass is 1.
+    Attributes: the limbs' `rods` and, `alike`, which of them are equal, with their one rod; `unit`
+    (6, 6), by which a row of `Limbs.directions` is multiplied for coordinates in which the
+    platform's mass is 1.
     """
 
     rods: Sections
-    alike: list[NDArray[np.intp]]
+    alike: list[tuple[NDArray[np.intp], Sections]]
     unit: Floats
 
 
@@ -60,9 +61,15 @@ def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Float
 
 
 FEW = 8
-"""Matrices up to which their eigenvalues cost less than an elimination, step by step, of all."""
+"""Poses up to which fewer steps, of more operations each, cost less: the steps do, not these."""
+NODES = 0.03, 0.3, 1.0, 2.0
+"""Where P is interpolated, in times of `Reduced.end`: the platform's modes are near the first two
+and the last two, and the chord holds at the first and the third."""
 GROWTH = 10.0
 """Growth of entries in elimination up to which its signs are as good as those of eigenvalues."""
+
+
+THREE, SIX = np.arange(3), np.arange(6)
 
 
 def negative(D: Floats) -> NDArray[np.int64]:
@@ -85,6 +92,22 @@ def negative(D: Floats) -> NDArray[np.int64]:
     if grown.any():
         count[grown] = (np.linalg.eigvalsh(D[grown]) < 0).sum(axis=1)
     return count
+
+
+@dataclass(frozen=True)
+class Chord:
+    """A chord of P_k: its value at 0 `P` and its `slope` (N, 3 n), and its `bend` (N, 2, 3 n).
+
+    P_k departs from it by about (u - NODES[0]) (u - 1) (bend_0 + bend_1 u), u = lambda /
+    `Reduced.end`: with the chord this is the cubic through `NODES`.
+    """
+
+    P: Floats
+    slope: Floats
+    bend: Floats
+
+    def __getitem__(self, index: NDArray[Any]) -> "Chord":
+        return Chord(self.P[index], self.slope[index], self.bend[index])
 
 
 @dataclass(frozen=True)
@@ -123,6 +146,11 @@ class Reduced:
     def smooth(self, eigenvalue: Floats) -> Floats:
         """Return P_k at `eigenvalue` (c, N), shape (c, N, 3 n): poses are runs of memory."""
         t = (2 / self.caps) * eigenvalue[..., None] - 1
+        if len(self.caps) <= FEW:
+            t = t[None].repeat(DEGREE + 1, axis=0)
+            t[0] = 1.0
+            np.multiply.accumulate(t, axis=0, out=t)
+            return np.asarray(np.einsum("jcnk,jnk->cnk", t, self.powers))
         value = self.powers[DEGREE] * t + self.powers[DEGREE - 1]
         for k in range(DEGREE - 2, -1, -1):
             value *= t
@@ -136,26 +164,28 @@ class Reduced:
         """
         d = self.smooth(eigenvalue[None])[0]
         share = self.residues / (self.poles - eigenvalue[:, None])
-        for j, k in enumerate(self.owner):
-            d[:, k] -= share[:, j]
+        d -= share @ (self.owner[:, None] == np.arange(d.shape[1]))
         D = (self.vectors * d[..., None]).swapaxes(1, 2) @ self.vectors
-        D -= eigenvalue[:, None, None] * np.eye(6)
+        D[:, SIX, SIX] -= eigenvalue[:, None]
         held = (self.poles < eigenvalue[:, None]).sum(axis=1)
         return np.asarray(held + negative(D))
 
-    def chord(self) -> tuple[Floats, Floats]:
-        """Return a chord of P_k by its value at 0 and slope, (N, 3 n).
-
-        From zero to the softest limb's first mode: right where modes are wanted.
-        """
-        end = self.end
-        at_rest, there = self.smooth(np.stack([np.zeros_like(end), end]))
-        return at_rest, (there - at_rest) / end[:, None]
-
     @property
     def end(self) -> Floats:
-        """Where the chord ends, (N,)."""
-        return np.asarray(np.minimum(self.poles.min(axis=1), self.limit))
+        """Where the chord ends, (N,): at the softest limb's first mode, as far as tables hold."""
+        return np.asarray(np.minimum(self.poles.min(axis=1), self.limit / NODES[-1]))
+
+    def chord(self) -> Chord:
+        """Return the chord of P_k from near rest to `end`, and how P_k departs from it."""
+        near, beside, _, beyond = NODES
+        end = self.end
+        low, middle, high, far = self.smooth(np.outer(NODES, end))
+        rise = (high - low) / (1 - near)
+        P = low - near * rise
+        middle = (middle - P - beside * rise) / ((beside - near) * (beside - 1))
+        far = (far - P - beyond * rise) / ((beyond - near) * (beyond - 1))
+        by = (far - middle) / (beyond - beside)
+        return Chord(P, rise / end[:, None], np.stack([middle - beside * by, by], axis=1))
 
     def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
         """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""
@@ -173,7 +203,8 @@ class Reduced:
         Return the eigenvalues (N, m), and the motions a_k . U of their vectors (N, 3 n, m).
         """
         a = self.vectors
-        M = np.eye(6) - (a * slope[..., None]).swapaxes(1, 2) @ a
+        M = (a * -slope[..., None]).swapaxes(1, 2) @ a
+        M[:, SIX, SIX] += 1.0
         root = np.linalg.cholesky(M)
         a = np.linalg.solve(root, a.swapaxes(1, 2)).swapaxes(1, 2)
         m = 6 + self.poles.shape[1]
@@ -202,28 +233,28 @@ def reduced(
     rods = known.rods
     N, n = lengths.shape
     frequency2, stiffness = units(rods, lengths)
-    powers, caps = np.empty((DEGREE + 1, N, n, 3)), np.empty((N, n, 3))
+    powers, caps = np.empty((DEGREE + 1, N, n, 3)), np.empty((n, 3))
     poles, residues, owner = [], [], []
-    for alike in known.alike:
-        rod = Sections(*(value[alike[:1]] for value in vars(rods).values()))
-        held = lengths[:, alike] if span is None else span
-        modes = limb_modes(rod, held, elements, level)
+    for limbs, rod in known.alike:
+        own = lengths[:, limbs]
+        modes = limb_modes(rod, own if span is None else span, elements, level)
         if modes is None:
             return None
-        x, c, P = modes.at(lengths[:, alike].ravel())
-        P = P.reshape(-1, N, len(alike), 3)
-        if len(alike) == n:
-            powers = P * stiffness
+        # What is the same for all lengths is one row.
+        x, c, P = modes.at(own.ravel())
+        each = own.shape if len(x) == own.size else (1, 1)
+        P = P.reshape(-1, *each, 3) * stiffness[:, limbs]
+        if len(limbs) == n:
+            powers = P
         else:
-            powers[:, :, alike] = P * stiffness[:, alike]
-        caps[:, alike] = modes.caps
-        direction = np.repeat(np.arange(3), modes.kept)
-        unit = frequency2[:, alike][..., direction]
-        poles.append((x.reshape(unit.shape) * unit).reshape(N, -1))
-        own = c.reshape(unit.shape) * unit * stiffness[:, alike][..., direction]
-        residues.append(own.reshape(N, -1))
-        owner.append((3 * alike[:, None] + direction).ravel())
-    caps *= frequency2
+            powers[:, :, limbs] = P
+        caps[limbs] = modes.caps
+        direction = np.repeat(THREE, modes.kept)
+        unit = frequency2[:, limbs][..., direction]
+        force = stiffness[:, limbs][..., direction]
+        poles.append((x.reshape(*each, -1) * unit).reshape(N, -1))
+        residues.append((c.reshape(*each, -1) * unit * force).reshape(N, -1))
+        owner.append((3 * limbs[:, None] + direction).ravel())
     return Reduced(
         lengths,
         vectors,
@@ -231,13 +262,14 @@ def reduced(
         np.concatenate(residues, axis=1),
         np.concatenate(owner),
         powers.reshape(-1, N, 3 * n),
-        caps.reshape(N, 3 * n),
+        (caps * frequency2).reshape(N, 3 * n),
     )
 
 
-def _alike(rods: Sections) -> list[NDArray[np.intp]]:
-    """Return the limbs that have the same rod, as lists of indices."""
+def _alike(rods: Sections) -> list[tuple[NDArray[np.intp], Sections]]:
+    """Return the limbs that have the same rod, by their indices, with it."""
     rows = np.stack(list(vars(rods).values()), axis=1)
     _, which = np.unique(rows, axis=0, return_inverse=True)
     which = which.ravel()
-    return [np.flatnonzero(which == k) for k in range(which.max() + 1)]
+    groups = [np.flatnonzero(which == k) for k in range(which.max() + 1)]
+    return [(k, Sections(*(value[k[:1]] for value in vars(rods).values()))) for k in groups]
