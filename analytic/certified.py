@@ -14,19 +14,23 @@ LOOSEST = 1e-9
 CLOSE = 1e-8, 1e-13
 """A step of Newton's below this, relative, is the last: the next would be about its square, but
 beside a pole it is not."""
+NEAR = 1e-8
+"""How far modes may be, relative, from where they are said to be."""
 STEPS = 12
 """Ratio of omega^2 between the first guesses is 10^(1 / STEPS), to begin with."""
 BATCH = 2000
 """Forms made at once, so that thousands of modes need no more memory than a few."""
 
 
-def brackets(problem: Characteristic, count: int) -> tuple[Floats, NDArray[np.int64]]:
+def brackets(
+    problem: Characteristic, count: int, near: Floats | None = None
+) -> tuple[Floats, NDArray[np.int64]]:
     """Return brackets of the lowest `count` omega^2, and the limb that twists in each.
 
-    Shapes (count, 2) and (count,); -1 where the mode is not torsion of a limb. Raises
-    `NotCertifiedError` as `coupled` does.
+    Shapes (count, 2) and (count,); -1 where the mode is not torsion of a limb. `near` and errors
+    as of `coupled`.
     """
-    own = coupled(problem, count)
+    own = coupled(problem, count, near)
     torsion = torsion_eigenvalues(problem.rods, problem.lengths, count, problem.elements)
     twisting = np.repeat(np.arange(len(problem.lengths)), torsion.shape[1])
     both = np.concatenate([own, torsion.reshape(-1, 1) * [1 - WIDTH / 2, 1 + WIDTH / 2]])
@@ -40,12 +44,20 @@ def middles(bounds: Floats) -> Floats:
     return np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)
 
 
-def coupled(problem: Characteristic, count: int) -> Floats:
+def coupled(problem: Characteristic, count: int, near: Floats | None = None) -> Floats:
     """Return brackets of the lowest `count` omega^2 that are not torsion, shape (count, 2).
 
     (0, upper) for a free motion. Both ends are counted, with a margin for what rounding can do.
-    Raises `NotCertifiedError` where a bracket would be wider than `LOOSEST`.
+    `near` (count,), where the modes are to `NEAR`, spares the search; what it says is counted all
+    the same. Raises `NotCertifiedError` where a bracket would be wider than `LOOSEST`.
     """
+    if near is not None:
+        rank = np.arange(count)
+        low, high = near * (1 - NEAR), near * (1 + NEAR)
+        try:
+            return _certified(problem, rank, _roots(problem, rank, low, high, near, CLOSE[0]))
+        except NotCertifiedError:
+            pass  # searched for as if nothing were known
     free = min(problem.free, count)
     found = np.zeros((count, 2))
     low, high, guess = _isolated(problem, count)

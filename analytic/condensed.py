@@ -207,20 +207,7 @@ def lowest(
     """
     n = lengths.shape[1]
     coupled = count if elements is None else min(count, 6 + n * (5 * elements - 2))
-    values = np.full((len(lengths), coupled), np.inf)
-    left = np.arange(len(lengths))
-    level = 1 + max(0, coupled - 6) // (2 * n)
-    for more in range(min(levels, MOST_POLES - level)):
-        problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
-        if problem is None:
-            break
-        if 6 + problem.poles.shape[1] < coupled:
-            continue
-        found, good = _solve(problem, coupled, loop)
-        values[left[good]] = found[good]
-        left = left[~good]
-        if not left.size:
-            break
+    values, left = tabulated(known, lengths, vectors, elements, coupled, loop, span, levels)
     for i in left:
         one = Characteristic(known.rods, lengths[i], vectors[i].reshape(n, 3, 6), elements)
         values[i] = certified.middles(certified.coupled(one, coupled))
@@ -231,6 +218,37 @@ def lowest(
         return values
     twist = torsion_eigenvalues(known.rods, lengths, count, elements).reshape(len(lengths), -1)
     return np.sort(np.concatenate([values, twist], axis=1), axis=1)[:, :count]
+
+
+def tabulated(
+    known: Constants,
+    lengths: Floats,
+    vectors: Floats,
+    elements: int | None,
+    count: int,
+    loop: Loop | None = None,
+    span: Floats | None = None,
+    levels: int = LEVELS,
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the lowest omega^2 (N, count), torsion apart, and the poses that tables cannot answer.
+
+    Arguments as of `lowest`; the values of those poses are infinite.
+    """
+    values = np.full((len(lengths), count), np.inf)
+    left = np.arange(len(lengths))
+    level = 1 + max(0, count - 6) // (2 * lengths.shape[1])
+    for more in range(min(levels, MOST_POLES - level)):
+        problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
+        if problem is None:
+            break
+        if 6 + problem.poles.shape[1] < count:
+            continue
+        found, good = _solve(problem, count, loop)
+        values[left[good]] = found[good]
+        left = left[~good]
+        if not left.size:
+            break
+    return values, left
 
 
 def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:

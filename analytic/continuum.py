@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic.centre_lines import centre_lines
 from analytic.certified import WIDTH, brackets, middles
 from analytic.chain_models import exact_modes
-from analytic.condensed import condensed_frequencies
+from analytic.condensed import condensed_frequencies, tabulated
 from analytic.errors import number
 from analytic.exact_chain import exact
 from analytic.kinematics import limbs_at
@@ -109,7 +109,10 @@ class Continuum:
         known = constants(mechanism, self.theory)
         problem = of_limbs(known, limbs)
         built = time.perf_counter()
-        bounds, twisting = brackets(problem, count)
+        # Tables say where modes are; where they cannot, they are searched for.
+        flat = limbs.lengths[None], problem.vectors.reshape(1, -1, 6)
+        near, unknown = tabulated(known, *flat, None, count)
+        bounds, twisting = brackets(problem, count, None if unknown.size else np.sort(near[0]))
         omega2 = middles(bounds)
         platform = np.zeros((count, 6))
         motion = np.zeros((count, len(mechanism.limbs), len(STATIONS), 3))

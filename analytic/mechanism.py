@@ -121,7 +121,7 @@ class Limb:
         radius = math.hypot(x, y)
         return (-y / radius, x / radius, 0.0) if radius > 0 else (0.0, 1.0, 0.0)
 
-    @property
+    @cached_property
     def simple(self) -> bool:
         """Whether this is an ideal R-P-S limb of one rod, as in the paper."""
         if len(self.chain) != 3:
@@ -273,7 +273,7 @@ class Mechanism:
         """The points A_i, moving frame, shape (n, 3) [m]."""
         return _constant(limb.platform_point for limb in self.limbs)
 
-    @property
+    @cached_property
     def simple(self) -> bool:
         """Whether all limbs are the paper's, and o is the platform's centre of mass."""
         return all(limb.simple for limb in self.limbs) and not any(self.platform.centre)
