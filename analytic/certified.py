@@ -14,27 +14,28 @@ LOOSEST = 1e-9
 CLOSE = 1e-8, 1e-13
 """A step of Newton's below this, relative, is the last: the next would be about its square, but
 beside a pole it is not."""
-NEAR = 1e-8
-"""How far modes may be, relative, from where they are said to be."""
 STEPS = 12
 """Ratio of omega^2 between the first guesses is 10^(1 / STEPS), to begin with."""
 BATCH = 2000
 """Forms made at once, so that thousands of modes need no more memory than a few."""
 
 
-def brackets(
-    problem: Characteristic, count: int, near: Floats | None = None
-) -> tuple[Floats, NDArray[np.int64]]:
+def brackets(problem: Characteristic, count: int) -> tuple[Floats, NDArray[np.int64]]:
     """Return brackets of the lowest `count` omega^2, and the limb that twists in each.
 
-    Shapes (count, 2) and (count,); -1 where the mode is not torsion of a limb. `near` and errors
-    as of `coupled`.
+    Shapes (count, 2) and (count,); -1 where the mode is not torsion of a limb. Raises
+    `NotCertifiedError` as `coupled` does.
     """
-    own = coupled(problem, count, near)
+    return with_torsion(problem, coupled(problem, count))
+
+
+def with_torsion(problem: Characteristic, own: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Return what `brackets` does, from the brackets `own` (count, 2) of all other modes."""
+    count = len(own)
     torsion = torsion_eigenvalues(problem.rods, problem.lengths, count, problem.elements)
     twisting = np.repeat(np.arange(len(problem.lengths)), torsion.shape[1])
     both = np.concatenate([own, torsion.reshape(-1, 1) * [1 - WIDTH / 2, 1 + WIDTH / 2]])
-    limb = np.r_[np.full(len(own), -1), twisting]
+    limb = np.r_[np.full(count, -1), twisting]
     order = np.argsort(both.mean(axis=1), kind="stable")[:count]
     return both[order], limb[order]
 
@@ -44,20 +45,12 @@ def middles(bounds: Floats) -> Floats:
     return np.where(bounds[:, 0] > 0, bounds.mean(axis=1), 0.0)
 
 
-def coupled(problem: Characteristic, count: int, near: Floats | None = None) -> Floats:
+def coupled(problem: Characteristic, count: int) -> Floats:
     """Return brackets of the lowest `count` omega^2 that are not torsion, shape (count, 2).
 
     (0, upper) for a free motion. Both ends are counted, with a margin for what rounding can do.
-    `near` (count,), where the modes are to `NEAR`, spares the search; what it says is counted all
-    the same. Raises `NotCertifiedError` where a bracket would be wider than `LOOSEST`.
+    Raises `NotCertifiedError` where a bracket would be wider than `LOOSEST`.
     """
-    if near is not None:
-        rank = np.arange(count)
-        low, high = near * (1 - NEAR), near * (1 + NEAR)
-        try:
-            return _certified(problem, rank, _roots(problem, rank, low, high, near, CLOSE[0]))
-        except NotCertifiedError:
-            pass  # searched for as if nothing were known
     free = min(problem.free, count)
     found = np.zeros((count, 2))
     low, high, guess = _isolated(problem, count)
@@ -66,7 +59,7 @@ def coupled(problem: Characteristic, count: int, near: Floats | None = None) -> 
     for close in CLOSE:
         roots = _roots(problem, rank, low[free:], high[free:], guess[free:], close)
         try:
-            found[free:] = _certified(problem, rank, roots)
+            found[free:] = certified(problem, rank, roots)
             break
         except NotCertifiedError:
             if close == CLOSE[-1]:
@@ -180,10 +173,11 @@ def _roots(
     return x
 
 
-def _certified(problem: Characteristic, rank: NDArray[np.intp], roots: Floats) -> Floats:
+def certified(problem: Characteristic, rank: NDArray[np.intp], roots: Floats) -> Floats:
     """Return brackets (m, 2) about `roots` (m,) with at most rank modes below, more than it above.
 
-    As narrow as WIDTH, or as rounding allows; a root off centre is moved by the secant.
+    As narrow as WIDTH, or as rounding allows; a root off centre is moved by the secant. Raises
+    `NotCertifiedError` where one would be wider than `LOOSEST`.
     """
     x, half = roots.copy(), np.full(len(roots), WIDTH * 0.98)
     result = np.empty((len(roots), 2))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -163,7 +164,7 @@ def condensed_frequencies(
 
         return frequencies(mechanism, poses, theory, elements, count)
     known = constants(mechanism, theory)
-    size = int(np.prod(poses.shape))
+    size = math.prod(poses.shape)
     loop = _loop(size, fast)
     result = np.empty((size, count))
     for first in range(0, size, CHUNK):

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.centre_lines import centre_lines
-from analytic.certified import WIDTH, brackets, middles
+from analytic.certified import WIDTH, brackets, certified, coupled, middles, with_torsion
 from analytic.chain_models import exact_modes
 from analytic.condensed import condensed_frequencies, tabulated
-from analytic.errors import number
+from analytic.errors import NotCertifiedError, number
 from analytic.exact_chain import exact
 from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose, one_pose
-from analytic.reduced import constants
+from analytic.reduced import Constants, constants
 from analytic.theory import Theory
-from analytic.wittrick_williams import Characteristic, characteristic, of_limbs
+from analytic.wittrick_williams import Characteristic, Floats, characteristic, of_limbs
 
 MOST = 10_000
 """Most modes that are asked for at once."""
@@ -109,28 +109,19 @@ class Continuum:
         known = constants(mechanism, self.theory)
         problem = of_limbs(known, limbs)
         built = time.perf_counter()
-        # Tables say where modes are; where they cannot, they are searched for.
-        flat = limbs.lengths[None], problem.vectors.reshape(1, -1, 6)
-        near, unknown = tabulated(known, *flat, None, count)
-        bounds, twisting = brackets(problem, count, None if unknown.size else np.sort(near[0]))
-        omega2 = middles(bounds)
+        bounds, shapes = _solved(problem, known, count)
+        bounds, twisting = with_torsion(problem, bounds)
         platform = np.zeros((count, 6))
         motion = np.zeros((count, len(mechanism.limbs), len(STATIONS), 3))
         # A limb that twists moves neither its centre line nor the platform.
         others = np.flatnonzero(twisting < 0)
         if others.size:
-            groups = repeated(omega2, others)
-            at = np.array([bounds[group].mean() for group in groups])
-            sizes = np.array([len(group) for group in groups])
-            U, w, force = (
-                np.concatenate(parts) for parts in zip(*problem.eigenspace(at, sizes), strict=True)
-            )
+            at, U, w, force = (of_all[: len(others)] for of_all in shapes)
             U = U @ known.unit.T
             platform[others] = (U.reshape(-1, 2, 3) @ limbs.rotation.T).reshape(-1, 6)
-            local = centre_lines(problem, np.repeat(at, sizes), w, force)
-            motion[others] = local @ limbs.frames.swapaxes(-1, -2)
+            motion[others] = centre_lines(problem, at, w, force) @ limbs.frames.swapaxes(-1, -2)
         return Modes(
-            frequencies=np.sqrt(omega2) / (2 * np.pi),
+            frequencies=np.sqrt(middles(bounds)) / (2 * np.pi),
             platform=platform,
             limbs=motion,
             theory=self.theory.labels(mechanism),
@@ -145,6 +136,32 @@ class Continuum:
 
     def _problem(self, mechanism: Mechanism, pose: Pose) -> Characteristic:
         return characteristic(mechanism, one_pose(mechanism, pose), self.theory)
+
+
+def _solved(
+    problem: Characteristic, known: Constants, count: int
+) -> tuple[Floats, tuple[Floats, ...]]:
+    """Return brackets of the lowest modes that are not torsion (count, 2), and their `_shapes`."""
+    flat = problem.lengths[None], problem.vectors.reshape(1, -1, 6)
+    near, unknown = tabulated(known, *flat, None, count)
+    if not unknown.size:
+        # Tables say where the modes are, and the counts whether they are there.
+        roots, *shapes = _shapes(problem, np.sort(near[0]))
+        try:
+            return certified(problem, np.arange(count), roots), tuple(shapes)
+        except NotCertifiedError:
+            pass  # searched for without them
+    bounds = coupled(problem, count)
+    return bounds, _shapes(problem, bounds.mean(axis=1))[1:]
+
+
+def _shapes(problem: Characteristic, omega2: Floats) -> tuple[Floats, ...]:
+    """Return the modes next to `omega2` (m,), ascending: roots, where, and as of `eigenspace`."""
+    groups = repeated(omega2, np.arange(len(omega2)))
+    at, sizes = np.array([omega2[k].mean() for k in groups]), np.array([*map(len, groups)])
+    spaces = zip(*problem.eigenspace(at, sizes), strict=True)
+    roots, *shapes = (np.concatenate(parts) for parts in spaces)
+    return roots, np.repeat(at, sizes), *shapes
 
 
 def repeated(omega2: NDArray[np.float64], modes: NDArray[np.intp]) -> list[NDArray[np.intp]]:

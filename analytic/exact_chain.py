@@ -19,8 +19,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from analytic.certified import CLOSE
-from analytic.certified import _certified as certified
+from analytic.certified import CLOSE, certified
 from analytic.certified import _roots as roots
 from analytic.errors import NotCertifiedError
 from analytic.mechanism import Mechanism, Rod

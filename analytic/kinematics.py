@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from analytic.mechanism import Mechanism
 from analytic.placed import place
 from analytic.placed import position as chain_position
-from analytic.pose import Closure, Pose, closed
+from analytic.pose import Closure, Pose, closed, dot
 
 Array = NDArray[Any]
 """Real, or complex where a derivative is taken by complex step."""
@@ -55,15 +55,10 @@ class Limbs:
         Row k of limb i is a_k = [c, p_i x c]: in the moving frame, c is the axis and p_i = o A_i.
         A platform displacement U moves A_i by a_k . U along it; a force f along it is f a_k at o.
         """
-        axes, R = self.frames.swapaxes(-1, -2), self.rotation
-        found = np.empty((*axes.shape[:-1], 6), dtype=axes.dtype)
-        c, moments = found[..., :3], found[..., 3:]
-        # All limbs of a pose in one product.
-        c[:] = (axes.reshape(*R.shape[:-2], -1, 3) @ R).reshape(axes.shape)
-        p = (self.arms @ R)[..., None, :]
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            moments[..., i] = p[..., j] * c[..., k] - p[..., k] * c[..., j]
-        return found
+        R = self.rotation[..., None, :, :]
+        c = self.frames.swapaxes(-1, -2) @ R
+        points = (self.arms[..., None, :] @ R)[..., 0, :]
+        return np.concatenate([c, _cross(points[..., None, :], c)], axis=-1)
 
 
 def limbs_at(mechanism: Mechanism, pose: Pose) -> Limbs:
@@ -83,11 +78,11 @@ def limbs_of(axes: Array, closure: Closure) -> Limbs:
     Real or complex, so that derivatives can be taken by complex step.
     """
     vectors = closure.vectors
-    lengths = np.sqrt((vectors * vectors).sum(axis=-1))
+    lengths = np.sqrt(dot(vectors, vectors))
     z = vectors / lengths[..., None]
     x = _cross(axes, z)
     # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
-    x /= np.sqrt((x * x).sum(axis=-1))[..., None]
+    x /= np.sqrt(dot(x, x))[..., None]
     frames = np.empty((*x.shape, 3), dtype=x.dtype)
     frames[..., 0], frames[..., 1], frames[..., 2] = x, _cross(z, x), z
     return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)

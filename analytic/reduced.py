@@ -65,6 +65,9 @@ FEW = 8
 NODES = 0.03, 0.3, 1.0, 2.0
 """Where P is interpolated, in times of `Reduced.end`: the platform's modes are near the first two
 and the last two, and the chord holds at the first and the third."""
+_U, _ACROSS = np.array(NODES), (np.array(NODES) - NODES[0]) * (np.array(NODES) - 1)
+_CUBIC = np.linalg.inv(np.stack([_U**0, _U, _ACROSS, _ACROSS * _U], axis=1))
+"""From P there to its value at 0, rise and bend: see `Chord`."""
 GROWTH = 10.0
 """Growth of entries in elimination up to which its signs are as good as those of eigenvalues."""
 
@@ -177,15 +180,10 @@ class Reduced:
 
     def chord(self) -> Chord:
         """Return the chord of P_k from near rest to `end`, and how P_k departs from it."""
-        near, beside, _, beyond = NODES
         end = self.end
-        low, middle, high, far = self.smooth(np.outer(NODES, end))
-        rise = (high - low) / (1 - near)
-        P = low - near * rise
-        middle = (middle - P - beside * rise) / ((beside - near) * (beside - 1))
-        far = (far - P - beyond * rise) / ((beyond - near) * (beyond - 1))
-        by = (far - middle) / (beyond - beside)
-        return Chord(P, rise / end[:, None], np.stack([middle - beside * by, by], axis=1))
+        values = self.smooth(np.outer(NODES, end))
+        P, rise, constant, by = (_CUBIC @ values.reshape(4, -1)).reshape(values.shape)
+        return Chord(P, rise / end[:, None], np.stack([constant, by], axis=1))
 
     def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
         """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""

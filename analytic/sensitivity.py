@@ -84,7 +84,7 @@ def frequency_sensitivities(
         for column, move in enumerate(moves):
             slopes[moving:, column] = [move.torsion(lam, limb) for limb in twisted]
         if moving:
-            ((U, w, F),) = problem.eigenspace(np.array([lam]), np.array([moving]))
+            ((_, U, w, F),) = problem.eigenspace(np.array([lam]), np.array([moving]))
             U = U @ unit.T
             for column, move in enumerate(moves):
                 projected = move.projected(U, w, F, lam, elements, problem.scale)

@@ -247,11 +247,12 @@ class Characteristic:
 
     def eigenspace(
         self, omega2: Floats, sizes: NDArray[Any]
-    ) -> list[tuple[Floats, Floats, Floats]]:
+    ) -> list[tuple[Floats, Floats, Floats, Floats]]:
         """Return the modes next to each of `omega2` (q,), `sizes` (q,) of them, of modal mass 1.
 
-        For each the platform (size, 6) in the coordinates of `vectors`, and the tips' motion and
-        force (size, n, 3) along and of every direction. For free motions give a small omega^2.
+        For each the omega^2 that a step of Newton's leads to (size,), the platform (size, 6) in the
+        coordinates of `vectors`, and the tips' motion and force (size, n, 3) along and of every
+        direction. For free motions give a small omega^2.
         """
         form = self.form(omega2)
         _, W, _, back = self.static
@@ -259,7 +260,8 @@ class Characteristic:
         values, vectors = np.linalg.eigh(B)
         found = []
         for i, size in enumerate(sizes):
-            x = vectors[i][:, np.argsort(np.abs(values[i]))[:size]]
+            closest = np.sort(np.argsort(np.abs(values[i]))[:size])
+            x = vectors[i][:, closest]
             y = (form.scale[i][:, None] * (left[i].T @ x[:6])).T
             w = y @ W.T
             force = form.change[i] * w
@@ -270,7 +272,8 @@ class Characteristic:
             force[:, k], w[:, k] = forces, forces / form.change[i][k]
             force += self.held * w
             shape = (len(y), -1, 3)
-            found.append((y @ back.T, w.reshape(shape), force.reshape(shape)))
+            roots = omega2[i] + values[i][closest]
+            found.append((roots, y @ back.T, w.reshape(shape), force.reshape(shape)))
         return found
 
 
