@@ -20,7 +20,7 @@ from analytic import InputError
 from harness.history.duck import Params, connect, constant, named, quoted, reason, sink
 from harness.history.provenance import provenance
 from harness.history.run_file import COLUMNS as COLUMNS
-from harness.history.run_file import RunFile, checksum, read
+from harness.history.run_file import RunFile, checksum, read_all
 from harness.output import staged
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ class History:
             raise InputError("history", str(folder), "a folder")
         self._folder = folder
         with connect() as base:
-            found = {path: read(base, path) for path in sorted(folder.glob("*.parquet"))}
+            found = read_all(base, sorted(folder.glob("*.parquet")))
         self._files = [file for file in found.values() if isinstance(file, RunFile)]
         self.skipped = [(path, why) for path, why in found.items() if isinstance(why, str)]
         self._base: DuckDBPyConnection | None = None
@@ -215,7 +215,9 @@ class History:
         # A name with a pattern's letters is looked up as a pattern, and read as it is.
         paths = [str(file.path) for file in self._files]
         sought = ", ".join(quoted(escape(path)) for path in paths)
-        source = f"FROM read_parquet([{sought}], union_by_name = true)" if paths else "LIMIT 0"
+        # Where all have the same columns the first one tells them.
+        union = len({file.columns for file in self._files}) > 1
+        source = f"FROM read_parquet([{sought}], union_by_name = {union})" if paths else "LIMIT 0"
         try:
             base.execute(f"CREATE VIEW rows AS SELECT {columns} {source}")
         except duckdb.Error as error:

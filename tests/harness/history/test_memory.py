@@ -28,16 +28,18 @@ assert past.query("SELECT * FROM rows").write(folder.parent / "rows.parquet") ==
 peak()
 """
 MANY = """
-import shutil, sys
+import io, shutil, sys, time
+from contextlib import redirect_stdout
 from pathlib import Path
+from harness.cli.main import main
 from harness.history.duck import connect
 from harness.history.run_file import checksum
 from harness.history.store import append_table, open_history
-folder, runs = Path(sys.argv[1]), int(sys.argv[2])
+folder, runs, rows = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 with connect() as base:
     base.execute(
         "CREATE VIEW t AS SELECT i % 6 AS mode, sqrt(i) AS frequency_hz, 'a' AS model, "
-        "i / 7 AS z_m FROM range(15000) t(i)"
+        f"i / 7 AS z_m FROM range({rows}) t(i)"
     )
     first = append_table(folder, base, "t", "check " + 300 * "x")
 for k in range(runs - 1):
@@ -45,18 +47,32 @@ for k in range(runs - 1):
 past = open_history(folder)
 assert not past.skipped
 asked = "SELECT mode, count(*) AS n, avg(frequency_hz) FROM rows GROUP BY ALL"
-assert sum(row["n"] for row in past.query(asked).rows()) == runs * 15000
+assert sum(row["n"] for row in past.query(asked).rows()) == runs * rows
 assert len(past.query("SELECT * FROM rows").rows(200)) == 200
+for question in ((), ("--rows", "--mode", "1"), ("--run", "latest"), ("--model", "a", "--rows"),
+                 ("--export", str(folder.parent / "all.csv"))):
+    sys.argv = ["rps-bench", "history", "--history", str(folder), *question]
+    began = time.perf_counter()
+    try:
+        with redirect_stdout(io.StringIO()):
+            main()
+    except SystemExit as ended:
+        assert not ended.code, question
+    print(*question, f"{time.perf_counter() - began:.2f} s", file=sys.stderr)
 peak()
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("script", "number"), [(LONG, 4_000_000), (MANY, 365)])
-def test_memory_is_flat(tmp_path: Path, script: str, number: int) -> None:
-    """In memory, the texts alone of these rows are more than 1.2 GB."""
+@pytest.mark.parametrize(
+    ("script", "numbers"),
+    [(LONG, (4_000_000,)), (MANY, (365, 15_000)), (MANY, (2_000, 100))],
+    ids=["one long run", "a year of checks", "2,000 small runs"],
+)
+def test_memory_is_flat(tmp_path: Path, script: str, numbers: tuple[int, ...]) -> None:
+    """In memory, the texts alone of the rows of the first two are more than 1.2 GB."""
     ended = subprocess.run(
-        [sys.executable, "-c", PEAK + script, str(tmp_path / "past"), str(number)],
+        [sys.executable, "-c", PEAK + script, str(tmp_path / "past"), *map(str, numbers)],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
