@@ -288,7 +288,9 @@ def causes(study: Study, theory: Model) -> list[str]:
         lines.append(
             "Beam theory costs "
             + " and ".join(
-                f"up to {percent(np.nanmax(part))} on {name}" for name, part in groups if part.size
+                f"up to {percent(np.nanmax(part))} on {name}"
+                for name, part in groups
+                if np.isfinite(part).any()
             )
             + f", and no number of elements removes that ({label(limit)} against {label(richer)})."
         )
