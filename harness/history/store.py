@@ -62,11 +62,15 @@ def append_table(
     table: str,
     command: str,
     time: datetime | None = None,
+    run: str | None = None,
 ) -> Path:
-    """Do as `append` with all rows of a table of `base`, which are never in memory as a whole."""
+    """Do as `append` with all rows of a table of `base`, which are never in memory as a whole.
+
+    `run`: its name, as `name_of` makes it, where that is known already.
+    """
     # Without a zone: all times are UTC.
     time = (time or datetime.now(UTC)).astimezone(UTC).replace(tzinfo=None)
-    run = f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
+    run = run or name_of(time)
     known = {**provenance(), "command": command, "run": run, "time": time}
     given = {row[0]: row[1] for row in base.execute(f"DESCRIBE {table}").fetchall()}
     columns = ", ".join(_column(name, kind, given, known) for name, kind in COLUMNS.items())
@@ -75,6 +79,16 @@ def append_table(
         path = folder / f"{run}.{checksum(temporary)}.parquet"
         temporary.replace(path)
     return path
+
+
+def name_of(time: datetime) -> str:
+    """Return a new name for a run at `time` [UTC]."""
+    return f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
+
+
+def has(folder: Path, run: str) -> bool:
+    """Return whether a history has the file of a run."""
+    return any(folder.glob(f"{run}.*.parquet"))
 
 
 def _column(name: str, kind: str, given: Mapping[str, str], known: Mapping[str, object]) -> str:

@@ -19,7 +19,7 @@ _OPEN = (
     "BEGIN EXCLUSIVE",
     "CREATE TABLE IF NOT EXISTS jobs (key BLOB PRIMARY KEY, answer BLOB NOT NULL, "
     "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
-    "CREATE TABLE IF NOT EXISTS recorded (key BLOB PRIMARY KEY) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS run (key BLOB PRIMARY KEY, name TEXT NOT NULL) WITHOUT ROWID",
     "COMMIT",
 )
 
@@ -77,16 +77,20 @@ class Journal:
         values = (job.key, content, answer.seconds, zlib.crc32(content))
         self._run("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", *values)
 
-    def recorded(self, job: Job) -> bool:
-        """Return whether a history has the answer of `job`."""
-        asked = self._run("SELECT 1 FROM recorded WHERE key = ?", job.key)
-        return asked.fetchone() is not None
+    def run_of(self, job: Job) -> str | None:
+        """Return the run of a history that the answer of `job` went to last, if its file is there.
 
-    def record(self, jobs: Iterable[Job]) -> None:
-        """Take in that a history has the answers of `jobs`."""
+        It may be missing: the name is taken in before the file is written, so that a process that
+        is killed in between neither loses rows nor writes them twice.
+        """
+        row = self._run("SELECT name FROM run WHERE key = ?", job.key).fetchone()
+        return None if row is None else str(row[0])
+
+    def goes_to(self, run: str, jobs: Iterable[Job]) -> None:
+        """Take in that the answers of `jobs` are about to be written as this run."""
         self._run("BEGIN")
         for job in jobs:
-            self._run("INSERT OR IGNORE INTO recorded VALUES (?)", job.key)
+            self._run("INSERT OR REPLACE INTO run VALUES (?, ?)", job.key, run)
         self._run("COMMIT")
 
     def _run(self, statement: str, *values: object) -> sqlite3.Cursor:

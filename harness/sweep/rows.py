@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,7 +14,7 @@ from analytic.model import Model
 from harness.bench import label
 from harness.history.duck import constant, named, quoted
 from harness.history.provenance import provenance
-from harness.history.store import append_table
+from harness.history.store import append_table, has, name_of
 from harness.poses import COLUMNS, cells, columns, headings, used
 from harness.rows import SWEEP, mechanism_hash, settings
 from harness.sweep.jobs import BATCH, Answer, Job
@@ -78,13 +79,13 @@ class Timing:
 class Rows:
     """The rows on their way to `file`; a thread adds them, block by block, while jobs are solved.
 
-    As a context. Attributes, whole when `write` has returned: `timings` of each model; `fresh`,
-    whether an answer is in no history yet.
+    As a context. Attributes, whole when `write` has returned: `timings` of each model; `runs` of a
+    history that the answers went to, None among them where one went nowhere yet.
     """
 
     def __init__(self, sweep: Sweep, journal: Journal, file: Path, modes: Sequence[int]) -> None:
         self.timings = {model: Timing() for model in sweep.models}
-        self.fresh = False
+        self.runs: set[str | None] = set()
         self._sweep, self._journal, self._pick = sweep, journal, np.array(modes) - 1
         labels = ", ".join(quoted(label(model)) for model in sweep.models)
         self._where = used([sweep.poses])
@@ -112,7 +113,7 @@ class Rows:
         found = list(sweep.answers(self._journal, model, start, stop))
         for job, answer in found:
             self.timings[model].add(job, answer)
-            self.fresh = self.fresh or not self._journal.recorded(job)
+            self.runs.add(self._journal.run_of(job))
         if found:
             same = {"mechanism": mechanism_hash(sweep.mechanism), "model": label(model)}
             self._table.add(self._block(found) | same)
@@ -160,7 +161,7 @@ class Rows:
 
         Each says what made it, which need not be what resumed the sweep.
         """
-        if not self.fresh:
+        if all(run is not None and has(folder, run) for run in self.runs):
             return
         base = self._table.base
         base.execute("CREATE TEMP TABLE made (number BIGINT, first BIGINT, last BIGINT)")
@@ -188,13 +189,18 @@ class Rows:
                     where += f" AND EXISTS (FROM made WHERE number = {len(parts)} AND {within})"
                 parts.append(f"SELECT {', '.join([*shown, *own])} FROM {TABLE} {where}")
         base.execute(f"CREATE TEMP VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
-        append_table(folder, base, "records", command)
-        self._journal.record(
-            job
-            for model in self._sweep.models
-            for start, stop in self._sweep.blocks()
-            for job, _ in self._sweep.answers(self._journal, model, start, stop)
+        time = datetime.now(UTC)
+        run = name_of(time)
+        self._journal.goes_to(
+            run,
+            (
+                job
+                for model in self._sweep.models
+                for start, stop in self._sweep.blocks()
+                for job, _ in self._sweep.answers(self._journal, model, start, stop)
+            ),
         )
+        append_table(folder, base, "records", command, time, run)
 
     def first_table(self) -> Table:
         """Return the frequencies of the first few poses; the file has all of them."""

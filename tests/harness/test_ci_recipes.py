@@ -36,12 +36,15 @@ def lines(recipe: Path) -> list[str]:
     return [line.strip() for text in found for line in text.splitlines()]
 
 
-def parsed(recipe: Path) -> dict[str, click.Context]:
-    """The bench's commands in a recipe, each parsed as the bench itself would."""
+def parsed(recipe: Path, versions: bool = False) -> dict[str, click.Context]:
+    """The bench's commands in a recipe, each parsed as the bench itself would.
+
+    `versions`: of the job that runs the lowest and the newest versions, else of the others.
+    """
     group = click.Context(cli)
     found = {}
     for line in lines(recipe):
-        if "rps-bench" in line:
+        if "rps-bench" in line and ("--resolution" in line) == versions:
             words = shlex.split(line)
             name, *arguments = words[words.index("rps-bench") + 1 :]
             command = cli.get_command(group, name)
@@ -77,7 +80,9 @@ def test_what_is_handed_on_is_what_is_written(recipe: Path) -> None:
 def test_packages_are_those_of_ci(recipe: Path) -> None:
     """But for what it does not need, and why."""
     ours = set(re.findall(r"missing\+=\((\S+)\)", (ROOT / ".ci" / "run").read_text()))
-    (install,) = [line for line in lines(recipe) if "apt-get install" in line]
+    installs = [line for line in lines(recipe) if "apt-get install" in line]
+    (install,) = set(installs)
+    assert len(installs) == 2
     theirs = {word for word in install.split()[2:] if not word.startswith("-")}
     assert theirs == ours - set(NOT_NEEDED)
     assert set(NOT_NEEDED) <= ours
@@ -86,3 +91,16 @@ def test_packages_are_those_of_ci(recipe: Path) -> None:
 def test_the_summary_reaches_github() -> None:
     (summary,) = [line for line in lines(RECIPES[0]) if "GITHUB_STEP_SUMMARY" in line]
     assert "cat results/latest/check.md >>" in summary
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.stem)
+def test_the_lowest_and_the_newest_versions_are_run(recipe: Path) -> None:
+    """Without the pins of [tool.uv], which win otherwise; the gate and a table."""
+    job = yaml.safe_load(recipe.read_text())
+    job = job.get("jobs", job)["versions"]
+    assert list(texts(job)).count("lowest-direct") == list(texts(job)).count("highest") == 1
+    commands = parsed(recipe, versions=True)
+    assert set(commands) == {"check", "table"}
+    for line in texts(job):
+        for command in (one for one in line.splitlines() if "rps-bench" in one):
+            assert "uv run --no-config --resolution $" in command

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import psutil
 import pytest
 
 from analytic import Mechanism, Pose, condensed_frequencies
+from harness.history.store import open_history
 from harness.sweep.engine import AHEAD
 
 
@@ -80,3 +82,25 @@ def test_a_full_disk_is_one_sentence_and_loses_nothing(slow_sweep: Any) -> None:
             assert 0 < kept < 150
             slow_sweep.goes_on(kept)
             (output / "frequencies.parquet").unlink()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("moment", ["before", "after"])
+def test_a_kill_where_the_history_is_written_leaves_each_row_once(
+    started: Any, ended: Any, tmp_path: Path, moment: str
+) -> None:
+    """Right before the run's file is there, or right after, before anything else is done."""
+    given = ("--models", "rayleigh@2", "--poses", "random:9:1", "--modes", "1-2")
+    given += ("--output", str(tmp_path / "out"), "--history", str(tmp_path / "past"))
+    write = "right(*given); " if moment == "after" else ""
+    patch = (
+        "import os, signal, harness.sweep.rows as rows; right = rows.append_table; "
+        f"rows.append_table = lambda *given: ({write.replace('; ', ', ')}"
+        "os.kill(os.getpid(), signal.SIGKILL))"
+    )
+    assert ended(started(*given, before=patch))[0] == -signal.SIGKILL
+    assert len(list((tmp_path / "past").glob("*.parquet"))) == (moment == "after")
+    for _ in range(2):
+        assert ended(started(*given))[0] == 0
+        found = open_history(tmp_path / "past").query("SELECT run, mode FROM rows").rows()
+        assert len(found) == 9 * 2 and len({row["run"] for row in found}) == 1
