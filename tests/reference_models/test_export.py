@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from analytic import InputError, Mechanism, Pose
+from harness.case_file import load_cases
 from reference_models import Named
 from reference_models.export import Export, exporter
 
@@ -65,6 +66,27 @@ def test_the_bare_program_agrees(
     np.testing.assert_allclose(f, right(made.model, robot, case2), rtol=known)
     # A slip in the pose, the platform or a limb would show: another pose has other frequencies.
     assert np.abs(f / right(made.model, robot, Pose(0.49)) - 1).max() > 0.01
+
+
+def test_the_bare_ccx_agrees_on_a_chain(tmp_path: Path) -> None:
+    """3-PRS: three springs a slider, a body, a tube."""
+    case = load_cases(Path(__file__).parents[2] / "results/published/mechanisms.toml")["prs"]
+    made = exporter("calculix")(case.mechanism, case.pose, 2, 6)
+    if made.model.info().missing:
+        pytest.skip(made.model.info().missing)
+    for name, text in made.files.items():
+        (tmp_path / name).write_text(text)
+    assert made.files["rps.inp"].count("*ELEMENT,TYPE=SPRING1") == 3 * 3
+    assert made.files["rps.inp"].count("A body of limb") == 3
+    known = right(made.model, case.mechanism, case.pose)
+    np.testing.assert_allclose(by_calculix(tmp_path), known, rtol=2e-6)
+
+
+@pytest.mark.parametrize("to", ["exudyn", "exudyn-beam", "mujoco"])
+def test_what_a_script_cannot_say_of_a_chain(to: str) -> None:
+    case = load_cases(Path(__file__).parents[2] / "results/published/mechanisms.toml")["prs"]
+    with pytest.raises(InputError, match="limb 1, P-body-R-rod-S"):
+        exporter(to)(case.mechanism, case.pose, 4, 6)
 
 
 def test_numbers_in_a_script_are_those_of_the_system(robot: Mechanism, case2: Pose) -> None:
