@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import certified
-from analytic.correction import CONVERGED, MOST_STEPS, SAFETY, corrected
+from analytic.correction import MOST_STEPS, SAFETY, Problem, corrected
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
@@ -144,7 +144,9 @@ def condensed_frequencies(
     Those of `Substructure(elements, beam, shear)`, or of `Continuum(beam, shear)` where `elements`
     is None, to 1e-9. Every pose is checked by the Wittrick-Williams count of the exact limbs; one
     that fails is solved by certified bisection. Memory does not grow with the number of poses.
-    `torsion`: with the limbs' own modes of torsion, which are coupled to nothing.
+    Limbs of any chain have tables too (`chain_condensed`), where poses are enough to repay them;
+    their other poses are solved one by one, as `Continuum` or `Substructure` do.
+    `torsion`: with the modes of torsion of the paper's limbs, which are coupled to nothing.
     `fast`: use the compiled loop (numba, the extra `fast`), which takes seconds to load and then
     half the time a pose; by default where it is installed and the poses are enough to repay that.
     Raises `InputError` for a pose out of reach, more modes than the model has, or `fast` without
@@ -160,9 +162,9 @@ def condensed_frequencies(
         )
     count = check_count(count, available)
     if not mechanism.simple:
-        from analytic.chain_models import frequencies  # which no paper's limb needs
+        from analytic.chain_condensed import condensed  # which no paper's limb needs
 
-        return frequencies(mechanism, poses, theory, elements, count)
+        return condensed(mechanism, poses, theory, elements, count)
     known = constants(mechanism, theory)
     size = math.prod(poses.shape)
     loop = _loop(size, fast)
@@ -244,7 +246,7 @@ def tabulated(
             break
         if 6 + problem.poles.shape[1] < count:
             continue
-        found, good = _solve(problem, count, loop)
+        found, good = solve(problem, count, loop)
         values[left[good]] = found[good]
         left = left[~good]
         if not left.size:
@@ -252,30 +254,32 @@ def tabulated(
     return values, left
 
 
-def _solve(problem: Reduced, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:
+def solve(problem: Problem, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:
     """Return omega^2 (N, count), and where they are certain to be the lowest, (N,)."""
     N = len(problem.lengths)
     if loop is None:
         chord = problem.chord()
         start, motion = problem.pencil(chord.P, chord.slope)
         found, settled = corrected(problem, chord, start, motion, count)
-        below = None
+        told, below = problem.told(chord.P, start[:, :count], motion), None
     else:
+        assert isinstance(problem, Reduced)
+        told = np.ones(N, dtype=bool)
         start, found = np.empty((N, 6 + problem.poles.shape[1])), np.empty((N, count))
         settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
         arrays = (problem.poles, problem.residues, problem.owner, problem.powers, problem.caps)
-        stops = CONVERGED, SAFETY, MOST_STEPS, BESIDE
+        stops = problem.converged, SAFETY, MOST_STEPS, BESIDE
         loop(problem.vectors, *arrays, *stops, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
-    inside &= found[:, 0] > GRADED * start[:, -1]
+    inside &= (found[:, 0] > GRADED * start[:, -1]) & told
     poor = inside & ~settled
     if poor.any():
         found[poor] = _by_rank(problem[poor], start[poor, :count])
     return found, inside & _certain(problem, found, below if settled.all() else None)
 
 
-def _by_rank(problem: Reduced, guess: Floats) -> Floats:
+def _by_rank(problem: Problem, guess: Floats) -> Floats:
     """Return the roots by rank: the k-th eigenvalue of the matrix frozen at the k-th root itself.
 
     Newton's iteration on each, safe for roots that (nearly) repeat.
@@ -287,12 +291,12 @@ def _by_rank(problem: Reduced, guess: Floats) -> Floats:
         P, slope = every.tangent(np.minimum(value, every.limit))
         previous = value
         value = every.pencil(P, slope)[0][np.arange(len(rank)), rank]
-        if (np.abs(value - previous) < CONVERGED * value).all():
+        if (np.abs(value - previous) < problem.converged * value).all():
             break
     return value.reshape(N, count)
 
 
-def _certain(problem: Reduced, found: Floats, below: NDArray[np.int64] | None) -> NDArray[np.bool_]:
+def _certain(problem: Problem, found: Floats, below: NDArray[np.int64] | None) -> NDArray[np.bool_]:
     """Say where the last root has the rank it should have among all modes, (N,).
 
     As many modes below it (`below`, counted here if None) as were found proves that none was

@@ -6,13 +6,18 @@ left, as the cubic of `Chord` gives it, and lambda by Rayleigh's quotient; the f
 start_j + R_jj meets lambda.
 """
 
+from typing import TYPE_CHECKING, TypeAlias
+
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.reduced import NODES, Chord, Floats, Reduced
 
-CONVERGED = 5e-10
-"""Estimated relative error of omega^2 at which the iteration ends."""
+if TYPE_CHECKING:
+    from analytic.chain_reduced import ChainReduced
+
+Problem: TypeAlias = "Reduced | ChainReduced"
+
 SAFETY = 4.0
 """How many times as large as its first term an error is taken to be."""
 MOST_STEPS = 5
@@ -20,11 +25,11 @@ MOST_STEPS = 5
 
 
 def corrected(
-    problem: Reduced, chord: Chord, start: Floats, motion: Floats, count: int
+    problem: Problem, chord: Chord, start: Floats, motion: Floats, count: int
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the lowest roots (N, count) and where they are settled, (N,).
 
-    `start` (N, m) and `motion` (N, 3 n, m) are of the pencil with the `chord`. One step is enough
+    `start` (N, m) and `motion` (N, r, m) are of the pencil with the `chord`. One step is enough
     for most poses, and is estimated to be; the others take more. Repeated modes may divide zero by
     zero; they do not settle.
     """
@@ -38,12 +43,12 @@ def corrected(
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _steps(
-    problem: Reduced, chord: Chord, start: Floats, motion: Floats, count: int, most: int
+    problem: Problem, chord: Chord, start: Floats, motion: Floats, count: int, most: int
 ) -> tuple[Floats, NDArray[np.bool_]]:
     near, end, limit = NODES[0], problem.end[:, None], problem.limit
     lowest = start[:, :count]
     # R_jj is about (u - near) (u - 1) (a_j + b_j u).
-    a, b = (chord.bend @ (motion * motion) / end[:, None]).swapaxes(0, 1)
+    a, b = (problem.squares(chord.bend, motion) / end[:, None]).swapaxes(0, 1)
     first = lowest / end
     u = first
     for _ in range(2):
@@ -64,7 +69,7 @@ def _steps(
         bent = b[:, None] * u[..., None]
         bent += a[:, None]
         bent *= (end * (near - u) * (u - 1))[..., None]
-        pushed = (rho * x).swapaxes(0, 1) @ motion
+        pushed = problem.times(rho, x).swapaxes(0, 1) @ motion
         if step > 1:
             pushed += bent * y
         bent -= gap
@@ -75,7 +80,7 @@ def _steps(
         x = (y @ transposed).swapaxes(0, 1)
         square = y * y
         norm = square.sum(axis=-1)
-        answer = np.einsum("ncj,ncj->nc", square, gap) + np.einsum("cnk,cnk,cnk->nc", rho, x, x)
+        answer = np.einsum("ncj,ncj->nc", square, gap) + problem.quotient(rho, x)
         answer = lowest + answer / norm
         change = answer - value
         if step == 1:
@@ -92,7 +97,7 @@ def _steps(
         # What another step would still change: by the slope, and by what the modes mix with.
         left = np.minimum(unsure, 1) * np.abs(change)
         left += SAFETY * np.einsum("ncj,ncj->nc", square, np.abs(gap)) * (norm - 1) ** step
-        settled = ((left < CONVERGED * value).all(axis=1)) & (norm.max(axis=1) < 1.01)
+        settled = ((left < problem.converged * value).all(axis=1)) & (norm.max(axis=1) < 1.01)
         if settled.all():
             break
     return value, settled

@@ -205,8 +205,8 @@ class Exact:
         say how to cut and then where to look. Each mode is found by its rank, and both ends of its
         bracket are counted. Raises `NotCertifiedError` where rounding leaves one too wide.
         """
-        upper = self._upper(count)
-        upper = self._upper(count, self.cut(float(upper[-1])))
+        upper = self.upper(count)
+        upper = self.upper(count, self.cut(float(upper[-1])))
         rank, problem = np.arange(count), cast(Any, self)
         high = upper * (1 + ABOVE)
         for close in CLOSE:
@@ -229,7 +229,7 @@ class Exact:
             x = x + values[row, k] / np.einsum("qi,qij,qj->q", v, form.mass, v)
         return x
 
-    def _upper(self, count: int, net: Network | None = None) -> Floats:
+    def upper(self, count: int, net: Network | None = None) -> Floats:
         """Return upper bounds of the lowest `count` omega^2, from as many elements as it takes."""
         s = 1
         net = net or self.split(s)

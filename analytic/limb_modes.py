@@ -196,7 +196,7 @@ def _table(
         order = np.arange(48)
         taylor = (angles[:, None] ** -order).T @ values / 64
         at_nodes = ((t[:, None] / 1.5) ** order @ taylor).real
-        smooth.append(_power_series(at_nodes))
+        smooth.append(power_series(at_nodes))
         poles += [x for x, _ in exact]
         residues += [c for _, c in exact]
     columns = np.concatenate([np.reshape([*poles, *residues], (-1, size)), *smooth])
@@ -217,21 +217,30 @@ def _pole(d: Any, guesses: NDArray[np.float64], j: int) -> tuple[Array, Array]:
     return guesses[:, j] + shift, residue
 
 
-def _power_series(at_nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return powers of t, (DEGREE + 1, size), from values at Chebyshev nodes of -1..1."""
-    transform, to_powers = _to_powers(DEGREE + 1)
-    return np.asarray(to_powers @ (transform @ at_nodes))
+def power_series(at_nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return powers of t, (n, size), from values at n Chebyshev nodes of -1..1."""
+    return to_powers(chebyshev_series(at_nodes))
 
 
-@lru_cache(maxsize=1)
-def _to_powers(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def chebyshev_series(at_nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return Chebyshev coefficients, (n, size), from values at n Chebyshev nodes of -1..1."""
+    return np.asarray(_transforms(len(at_nodes))[0] @ at_nodes)
+
+
+def to_powers(series: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return powers of t, (n, size), from n Chebyshev coefficients."""
+    return np.asarray(_transforms(len(series))[1] @ series)
+
+
+@lru_cache(maxsize=32)
+def _transforms(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return (n, n): values at n nodes to Chebyshev coefficients, and these to powers."""
     k = np.arange(n)
     transform = np.cos(np.pi * np.outer(k, k + 0.5) / n) * np.where(k, 2, 1)[:, None] / n
-    to_powers = np.zeros((n, n))
+    powers = np.zeros((n, n))
     for i in range(n):
-        to_powers[: i + 1, i] = chebyshev.cheb2poly(np.eye(n)[i])[: i + 1]
-    return transform, to_powers
+        powers[: i + 1, i] = chebyshev.cheb2poly(np.eye(n)[i])[: i + 1]
+    return transform, powers
 
 
 def _error(made: LimbModes, elements: int | None) -> float:

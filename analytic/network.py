@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 DEPENDENT = 1e-9
 """Freedoms between two masses, in units of length 1, that all but depend on each other."""
 PLATFORM = tuple(range(-6, 0))
+PORT = -1.0
+"""The stiffness of a freedom that is moved from outside: a coordinate without a spring."""
 
 
 Block = tuple[int, tuple[int, ...], Floats]
@@ -99,13 +101,13 @@ class Network:
         starts = self.starts
         where: list[tuple[int, tuple[tuple[int, ...], ...]]] = []
         for piece in self.rods:
-            where += [(piece.group, columns) for columns in _columns(piece)]
+            where += [(piece.group, columns) for columns in piece_columns(piece)]
         where += [(group, (columns,)) for group, columns, _ in self.constant]
         return _layout(tuple(where), starts, self.size, sparse)
 
     def rod_columns(self) -> list[tuple[int, ...]]:
         """Return the columns of the block of every rod, where each is of one piece."""
-        return [_columns(piece)[0][0] for piece in self.rods]
+        return [piece_columns(piece)[0][0] for piece in self.rods]
 
     def springs(self) -> list[tuple[Block, int]]:
         """Return the blocks of springs, each of one joint, and which item that is."""
@@ -122,7 +124,7 @@ class Network:
         return blocks
 
 
-def _columns(piece: Piece) -> list[tuple[tuple[int, ...], ...]]:
+def piece_columns(piece: Piece) -> list[tuple[tuple[int, ...], ...]]:
     """Return the columns of a rod's blocks: each a row of them for every time it is placed."""
     first, last, s, a = piece.first.columns, piece.last.columns, piece.count, piece.start
     if s == 1:
@@ -195,7 +197,7 @@ def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: f
     joints: dict[int, int] = {}
     own = []
     for g, placed in enumerate(groups):
-        walk = _Walk(g, placed, unit, count)
+        walk = Walk(g, placed, unit, count)
         own.append(walk.own)
         rods += walk.rods
         joints |= {len(constant) + k: item for k, item in walk.joints.items()}
@@ -207,7 +209,7 @@ def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: f
     return Network(tuple(groups), tuple(rods), tuple(constant), joints, tuple(own), size)
 
 
-class _Walk:
+class Walk:
     """The coordinates, rods, springs and bodies of one group of limbs, from base to tip."""
 
     def __init__(self, group: int, placed: Placed, unit: float, count: Any) -> None:
@@ -218,6 +220,7 @@ class _Walk:
         self.rods: list[Piece] = []
         self.constant: list[Block] = []
         self.joints: dict[int, int] = {}
+        self.ports: dict[tuple[int, int], int] = {}
         kinds = [kind[0] for kind in self.alike.kind]
         if "rod" not in kinds:
             raise InputError(
@@ -282,9 +285,9 @@ class _Walk:
         if not f:
             return held or Map((), np.zeros((self.n, 6, 0)))
         scale = np.array([1.0] * 3 + [self.unit] * 3)[:, None]
-        self._check_independent(E * scale, joints)
         stiffness = np.concatenate([self.alike.freedoms[k].stiffness for k in joints], axis=1)
-        sprung = (stiffness > 0).any(axis=0)
+        self._check_independent((E * scale)[..., (stiffness >= 0).all(axis=0)], joints)
+        sprung = (stiffness != 0).any(axis=0)
         u = held or Map((), np.zeros((self.n, 6, 0)))
         if sprung.any():
             # Relative coordinates: the stretch of a stiff spring is no difference of large motions.
@@ -294,7 +297,10 @@ class _Walk:
                 [[k] * self.alike.freedoms[k].stiffness.shape[1] for k in joints]
             )
             for k in joints:
-                mine = np.flatnonzero(which[sprung] == k)
+                moved = (stiffness == PORT).any(axis=0) & (which == k)
+                for number, j in enumerate(np.flatnonzero(moved[sprung])):
+                    self.ports[k, number] = r[j]
+                mine = np.flatnonzero((which == k)[sprung] & ~moved[sprung])
                 if mine.size:
                     f = np.arange(mine.size)
                     block = np.zeros((2, self.n, mine.size, mine.size))
@@ -312,6 +318,8 @@ class _Walk:
 
     def _check_independent(self, E: Floats, joints: list[int]) -> None:
         """Refuse freedoms (n, 6, f) that depend on each other with nothing between them."""
+        if not E.shape[-1]:
+            return
         size = np.linalg.norm(E, axis=1, keepdims=True)
         least = np.zeros(self.n)
         if E.shape[-1] <= 6:

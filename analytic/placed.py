@@ -93,7 +93,7 @@ class Placed:
         for f, (kind, frame, across) in enumerate(zip(of.kinds, of.frames, of.across, strict=True)):
             axis = self._global(of.axes[:, f], frame)
             if across:
-                axis = np.cross(axis, self.frames[..., 2])
+                axis = cross(axis, self.frames[..., 2])
                 axis = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
             E[..., 3 * (kind == "rotation") : 3 + 3 * (kind == "rotation"), f] = axis
         return E
@@ -268,13 +268,13 @@ def _placed(group: Alike, pose: Pose, o: Floats, R: Floats, tell: Refuse) -> Pla
         tell(pose, group, left <= CLOSURE, left,
                "something left to what adapts, not {1:.3e} m in limb {0}")  # fmt: skip
     z = span / np.where(total > 0, total, 1.0)[..., None]
-    x = np.cross(group.towards, z)
+    x = cross(group.towards, z)
     size = np.linalg.norm(x, axis=-1)
     tell(
         pose, group, size < ALONG, size, "a reference across limb {}, not {:.1e} rad from along it"
     )
     x = x / size[..., None]
-    frames = np.stack([x, np.cross(z, x), z], axis=-1)
+    frames = np.stack([x, cross(z, x), z], axis=-1)
     lengths = np.where(np.isnan(group.lengths), left[..., None], group.lengths)
     so_far = np.concatenate([np.zeros((*total.shape, 1)), np.cumsum(lengths, axis=-1)], axis=-1)
     starts = start[..., None, :] + so_far[..., None] * z[..., None, :]
@@ -298,7 +298,7 @@ def _closed(found: Placed, pose: Pose, total: Floats, tell: Refuse) -> None:
         for f in turns:
             if not of.across[f]:
                 continue
-            across = np.cross(axes[turns.index(f)], z)
+            across = cross(axes[turns.index(f)], z)
             size = np.linalg.norm(across, axis=-1)
             expected = "universal joints across, not that of limb {} {:.1e} rad from along"
             tell(pose, group, size < ALONG, size, expected)
@@ -308,6 +308,13 @@ def _closed(found: Placed, pose: Pose, total: Floats, tell: Refuse) -> None:
         lean = np.linalg.norm(np.cross(ends[0], ends[1]), axis=-1)
         tell(pose, group, lean > SQUARE, lean,
                "universal joints in line, not those of limb {} {:.1e} rad out of it")  # fmt: skip
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Return a x b over the last axis, quicker than numpy's."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 
 
 def refuse(pose: Pose, group: Alike, bad: NDArray[Any], amount: Floats, expected: str) -> None:

@@ -113,6 +113,12 @@ class Chord:
         return Chord(self.P[index], self.slope[index], self.bend[index])
 
 
+def chord(values: Floats, end: Floats) -> Chord:
+    """Return the chord by P's entries (4, N, k) at `NODES` times `end` (N,)."""
+    P, rise, constant, by = (_CUBIC @ values.reshape(4, -1)).reshape(values.shape)
+    return Chord(P, rise / end[:, None], np.stack([constant, by], axis=1))
+
+
 @dataclass(frozen=True)
 class Reduced:
     """The problem above at N poses; p limb modes are kept and m = 6 + p.
@@ -129,6 +135,9 @@ class Reduced:
     owner: NDArray[np.intp]
     powers: Floats
     caps: Floats
+
+    converged = 5e-10
+    """Estimated relative error of omega^2 at which the iteration ends."""
 
     @property
     def limit(self) -> Floats:
@@ -160,6 +169,27 @@ class Reduced:
             value += self.powers[k]
         return np.asarray(value)
 
+    @staticmethod
+    def times(entries: Floats, motion: Floats) -> Floats:
+        """Return P of `entries` (..., 3 n) times motions (..., 3 n)."""
+        return entries * motion
+
+    @staticmethod
+    def quotient(entries: Floats, motion: Floats) -> Floats:
+        """Return x^T P x (N, c) of `entries` and motions x (c, N, 3 n)."""
+        return np.asarray(np.einsum("cnk,cnk,cnk->nc", entries, motion, motion))
+
+    @staticmethod
+    def squares(entries: Floats, motion: Floats) -> Floats:
+        """Return x^T P x (N, q, m) of `entries` (N, q, 3 n) and motions x (N, 3 n, m)."""
+        return np.asarray(entries @ (motion * motion))
+
+    @staticmethod
+    def told(P: Floats, values: Floats, motion: Floats) -> NDArray[np.bool_]:
+        """Say that the tables' error is small enough: limbs held by an ideal hinge only bend."""
+        del P, motion
+        return np.ones(len(values), dtype=bool)
+
     def below(self, eigenvalue: Floats) -> NDArray[np.int64]:
         """Return how many modes lie below `eigenvalue` (N,), torsion of limbs apart.
 
@@ -180,10 +210,7 @@ class Reduced:
 
     def chord(self) -> Chord:
         """Return the chord of P_k from near rest to `end`, and how P_k departs from it."""
-        end = self.end
-        values = self.smooth(np.outer(NODES, end))
-        P, rise, constant, by = (_CUBIC @ values.reshape(4, -1)).reshape(values.shape)
-        return Chord(P, rise / end[:, None], np.stack([constant, by], axis=1))
+        return chord(self.smooth(np.outer(NODES, self.end)), self.end)
 
     def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
         """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""

@@ -19,7 +19,7 @@ TERMS = 16
 """Of the power series: enough below the first mode with ends held, b and c below about 100."""
 
 
-def pieces(rods: Properties, lengths: Floats, omega2: float) -> NDArray[np.int64]:
+def pieces(rods: Properties, lengths: Floats, omega2: float | Floats) -> NDArray[np.int64]:
     """Return into how many pieces each rod is cut to have no mode below `omega2` with ends held.
 
     By a bound on each piece's lowest: 1 / omega^2 <= m L^4 / (pi^4 EI) + m L^2 / (pi^2 kappa G A) +
@@ -44,9 +44,11 @@ def pieces(rods: Properties, lengths: Floats, omega2: float) -> NDArray[np.int64
 def dynamic_stiffness(rods: Properties, lengths: Floats, omega2: Array) -> Array:
     """Return D_e of a piece of each rod, (q, n, 12, 12), of `lengths` (n,) at `omega2` (q,).
 
+    Or at `omega2` (q, n), one of every rod.
+
     Complex of complex `omega2`: derivatives by complex step.
     """
-    lam = omega2[:, None]
+    lam = omega2[:, None] if omega2.ndim == 1 else omega2
     L = lengths
     D = np.zeros((len(omega2), len(L), 12, 12), dtype=np.result_type(omega2, float))
     for plane, (dofs, sign) in enumerate(BENDING):
