@@ -17,6 +17,8 @@ RANK = 1e-9
 """Singular values below this, relative to the largest of the same joints, are zero."""
 FULL = 0.1
 """A basis with more entries than this part of all is multiplied as a full matrix."""
+SMALL = 128
+"""Up to so many coordinates one decomposition of all costs less than finding its blocks."""
 NOISE = 1e-14
 """Constraints smaller than this, relative to the largest, constrain nothing (a free axis)."""
 
@@ -110,6 +112,11 @@ def null_space(J: Array) -> scipy.sparse.csr_array:
     size = np.linalg.norm(J, axis=1)
     real = size > NOISE * size.max(initial=0.0)
     rows = J[real] / size[real, None]
+    if not len(rows):
+        return scipy.sparse.eye_array(J.shape[1], format="csr")
+    if J.shape[1] <= SMALL:
+        _, singular, V = np.linalg.svd(rows)
+        return scipy.sparse.csr_array(V[np.sum(singular > RANK * singular[0]) :].T)
     coupled = scipy.sparse.csr_array(rows != 0, dtype=float)
     _, block_of = scipy.sparse.csgraph.connected_components(coupled.T @ coupled, directed=False)
     columns, first_column, width = _grouped(block_of, block_of.max() + 1)

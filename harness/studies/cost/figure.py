@@ -1,11 +1,13 @@
-"""The cost study as a picture: seconds against elements, and against the poses of a call."""
+"""The cost study as a picture: what nothing beats, named, and all other ways faint behind it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.figures import COLOURS, MARKERS
+from harness.bench import label
+from harness.figures import COLOURS
 from harness.timing import Timed
 
 if TYPE_CHECKING:
@@ -14,52 +16,86 @@ if TYPE_CHECKING:
 
     from harness.studies.cost import Cost
 
-MANY_MARKERS = (*MARKERS, "P", "X", "<", ">", "*", "p")
+
+@dataclass(frozen=True)
+class Point:
+    """A way at `x` (elements, or poses a call): its `time` in yardsticks; `curve` joins them."""
+
+    x: float
+    time: float
+    curve: str
+    name: str
+
+
+def unbeaten(points: Sequence[Point], *, more: bool) -> list[Point]:
+    """Return the points, by x, to which no other is equal or better in both and better in one.
+
+    Less time is better, and `more` of x or less of it.
+    """
+    sign = -1 if more else 1
+
+    def beats(a: Point, b: Point) -> bool:
+        own, other = (sign * a.x, a.time), (sign * b.x, b.time)
+        return own != other and own[0] <= other[0] and own[1] <= other[1]
+
+    front = [p for p in points if not any(beats(q, p) for q in points)]
+    return sorted(front, key=lambda p: p.x)
 
 
 def cost_figure(cost: "Cost") -> "Figure":
-    """Return (a) one pose against elements and (b) a pose against batch size, both log-log.
+    """Return (a) one pose against elements and (b) a pose against poses a call, both log-log.
 
-    Lines join medians; simulators are dashed and hollow.
+    In (a) more elements for less time win, in (b) fewer poses a call.
     """
     from matplotlib.figure import Figure
 
     from harness.studies.cost import FLOOR, YARDSTICK
 
-    figure = Figure(figsize=(11.5, 5.6), layout="constrained")
+    figure = Figure(figsize=(11.5, 5.0), layout="constrained")
     left, right = figure.subplots(1, 2)
-    single = [t for t in cost.elements if isinstance(t.way.model.elements, int)]
-    for k, method in enumerate(dict.fromkeys(t.way.method for t in single)):
-        own = [t for t in single if t.way.method == method]
-        _curve(left, cost, own, [int(t.way.size) for t in own], YARDSTICK, k, method)
-    for t, dots in zip(
-        [t for t in cost.elements if t.way.size == "exact"], (":", "-.", "--"), strict=False
-    ):
-        level = float(np.median(cost.ratios(t, YARDSTICK)))
-        left.axhline(level, color="0.3", ls=dots, lw=1.2, label=f"{t.way.method}, exact")
-    left.set(xscale="log", xlabel="number of elements $s$", ylabel="time of one pose / yardstick")
-    left.set_title(f"(a) yardstick: {YARDSTICK}", fontsize=9)
-    for k, model in enumerate(dict.fromkeys(t.way.model for t in cost.batches)):
-        own = [t for t in cost.batches if t.way.model == model]
-        name = getattr(model, "label", "")
-        _curve(right, cost, own, [max(1, t.way.poses) for t in own], FLOOR, k, name)
-    right.set(xscale="log", xlabel="poses a call", ylabel="time a pose / one 6x6 eigh")
-    right.set_title(f"(b) yardstick: {FLOOR}", fontsize=9)
+    exact = 2 * max(cost.steps)
+    points = [
+        _point(cost, t, YARDSTICK, t.way.model.elements or exact, t.way.method)
+        for t in cost.elements
+    ]
+    _panel(left, points, COLOURS[0], more=True)
+    ticks = [*cost.steps, exact]
+    left.set_xscale("log")
+    left.set_xticks(ticks, [*map(str, cost.steps), "exact"])
+    left.set_xticks([], minor=True)
+    left.set(xlabel="number of elements $s$", ylabel="time of one pose / yardstick")
+    left.set_title(f"(a) modes of one pose, {YARDSTICK} = 1", fontsize=9)
+    points = [
+        _point(cost, t, FLOOR, max(1, t.way.poses), replace(t.way, poses=0).method)
+        for t in cost.batches
+    ]
+    _panel(right, points, COLOURS[3], more=False)
+    right.set(xscale="log", xlabel="poses a call", ylabel="time of a pose / yardstick")
+    right.set_title(f"(b) frequencies, {FLOOR} = 1", fontsize=9)
     for axes in (left, right):
         axes.set_yscale("log")
+        axes.margins(x=0.15, y=0.1)
         axes.grid(alpha=0.25)
-        # Below the axes: inside there is no corner that every run leaves free.
-        below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.13)}
-        axes.legend(fontsize=7, ncols=2, frameon=False, **below)
+    figure.suptitle("Ways that nothing beats; grey: all others", fontsize=10)
     return figure
 
 
-def _curve(
-    axes: "Axes", cost: "Cost", own: Sequence[Timed], sizes: Sequence[int], yardstick: str, k: int,
-    name: str,
-) -> None:  # fmt: skip
-    simulated = own[0].way.model.info().isolated
-    style: dict[str, Any] = {"ls": "--", "mfc": "none"} if simulated else {"ls": "-"}
-    middle = [float(np.median(cost.ratios(t, yardstick))) for t in own]
-    colour, marker = COLOURS[k % len(COLOURS)], MANY_MARKERS[k % len(MANY_MARKERS)]
-    axes.plot(sizes, middle, color=colour, marker=marker, ms=5, lw=1.2, label=name, **style)
+def _point(cost: "Cost", t: Timed, yardstick: str, x: Any, name: str) -> Point:
+    time = float(np.median(cost.ratios(t, yardstick)))
+    exact = t.way.model.elements is None
+    # (a) joins a method's numbers of elements, (b) a model's numbers of poses.
+    curve = label(t.way.model) if t.way.poses or exact else name
+    return Point(float(x), time, curve, f"{name}, exact" if exact and not t.way.poses else name)
+
+
+def _panel(axes: "Axes", points: Sequence[Point], colour: str, *, more: bool) -> None:
+    for curve in dict.fromkeys(p.curve for p in points):
+        own = sorted((p for p in points if p.curve == curve), key=lambda p: p.x)
+        axes.plot([p.x for p in own], [p.time for p in own], "o-", color="0.82", ms=3, lw=0.8,
+                  zorder=1)  # fmt: skip
+    front = unbeaten(points, more=more)
+    axes.plot([p.x for p in front], [p.time for p in front], "o-", color=colour, ms=5, lw=1.4,
+              zorder=2)  # fmt: skip
+    for name, last in {p.name: p for p in front}.items():
+        axes.annotate(name, (last.x, last.time), xytext=(0, -13), textcoords="offset points",
+                      fontsize=7, color=colour, ha="center", zorder=3)  # fmt: skip

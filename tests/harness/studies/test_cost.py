@@ -10,6 +10,7 @@ from analytic import Substructure
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
+from harness.studies.cost.figure import Point, unbeaten
 from harness.studies.cost.growth import growth
 from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
@@ -93,6 +94,19 @@ def test_what_users_meet(cost: Cost) -> None:
     said = " ".join(cost.sentences())
     assert "6x6 numpy.linalg.eigh" in said and "multipliers (saddle-point)" in said
     assert all(row["solve_s"] > 0 for row in cost.rows())
+
+
+def test_what_nothing_beats() -> None:
+    points = [Point(x, t, "", "") for x, t in ((1, 5.0), (2, 4.0), (2, 4.5), (4, 4.0), (8, 9.0))]
+    assert [(p.x, p.time) for p in unbeaten(points, more=True)] == [(4, 4.0), (8, 9.0)]
+    assert [(p.x, p.time) for p in unbeaten(points, more=False)] == [(1, 5.0), (2, 4.0)]
+
+
+def test_the_picture_names_what_nothing_beats_and_no_more(cost: Cost) -> None:
+    for axes in cost.plot().axes:
+        names = [text.get_text() for text in axes.texts]
+        assert names and len(names) < 5
+        assert len({line.get_color() for line in axes.lines}) == 2  # the front and the rest
 
 
 def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
