@@ -24,6 +24,8 @@ NOISE = 1e-14
 
 LAPACK = 1e-9
 """Largest relative error of an omega^2 by LAPACK that is taken without a second, shifted, try."""
+SPREAD = 1e-4
+"""The least shift of a singular K, relative to the largest omega^2 asked for."""
 STILL = 1e-4
 """A frequency below this part of the highest found belongs to a free motion."""
 ROUNDING = 1e-12
@@ -56,7 +58,7 @@ def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Arr
     """Return the lowest eigenvalues, mass-normalised vectors, and how far the former are known.
 
     LAPACK's error is relative to the largest eigenvalue: that of (M, K) belongs to the lowest mode.
-    Where K is singular (a free motion), K + sigma M is not, with sigma the lowest vibration's.
+    Where K is singular (a free motion), K + sigma M is not: sigma is about one of the lowest.
     """
     last = (len(K) - count, len(K) - 1)
     rounded = len(K) * np.finfo(float).eps
@@ -70,7 +72,8 @@ def _lowest(K: Array, M: Array, count: int, rounding: float) -> tuple[Array, Arr
     except np.linalg.LinAlgError:
         pass  # K is singular, or not even that
     values = scipy.linalg.eigh(K, M, eigvals_only=True)
-    shift = float(np.append(values[values > rounded * values[-1]], 1.0)[0])
+    scale = max(values[count - 1], rounded * values[-1])
+    shift = float(values[values >= SPREAD * scale][0]) or 1.0
     try:
         mu, x = scipy.linalg.eigh(M, K + shift * M, subset_by_index=last)
     except np.linalg.LinAlgError:  # far below zero

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from analytic import InputError
 from reference_models.projection import constrained_modes, null_space
@@ -91,3 +92,14 @@ def test_separate_joints_keep_the_basis_sparse() -> None:
     N = null_space(J)
     assert N.shape == (280, 240)
     assert N.nnz <= 40 * 7 * 6
+
+
+def test_a_free_motion_that_rounding_makes_stiff_spoils_no_other() -> None:
+    """K of a limb that spins may pass for definite: one omega^2 of 1e-13 beside those from 1 on."""
+    n = 12
+    K = np.diag(np.r_[1e-13, np.arange(1.0, n)])
+    M = np.eye(n) + 0.3 * np.ones((n, n))
+    known = scipy.linalg.eigh(K, M, eigvals_only=True)
+    found, _, _ = constrained_modes("m", K, M, np.zeros((0, n)), 5)
+    np.testing.assert_allclose((2 * np.pi * found[1:]) ** 2, known[1:5], rtol=1e-12)
+    assert found[0] < 1e-5
