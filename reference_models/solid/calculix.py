@@ -142,17 +142,17 @@ def check_answer(answer: Answer, deck: Deck, count: int) -> NDArray[np.intp]:
 
     Raises `ModelError` unless there are so many, and all keep the joints closed.
     """
-    found = len(answer.eigenvalues) - deck.spins
+    found = len(answer.eigenvalues) - (deck.spins or 0)
     if not np.array_equal(answer.nodes, deck.shown):
         raise ModelError(f"{NAME}: ccx did not print the displacements of all nodes asked for")
     if found != count:
         raise ModelError(f"{NAME}: ccx found {found} modes, {count} were asked for")
     ascending = answer.eigenvalues
-    if not (ascending[0 if not deck.spins else -1] > 0) or not (np.diff(ascending) >= 0).all():
+    if not ascending[0 if deck.spins is None else -1] > 0 or not (np.diff(ascending) >= 0).all():
         reason = "negative or unsorted: does anything move freely?"
         raise ModelError(f"{NAME}: eigenvalues of ccx are {reason}")
     kept = np.arange(count)
-    if deck.spins:
+    if deck.spins is not None:
         noise = (STILL**2) * ascending[-1]
         kept = vibrations(NAME, hertz(NAME, ascending, noise), deck.spins, count)
     opening = 0.0

@@ -27,7 +27,7 @@ class Deck:
     nodes that stand `offset` apart, (node, node or 0 for the origin, offset); `equations` that
     every motion must fulfil; `limbs` as they stand, and the platform's `rotation`; `shown`: all
     nodes whose displacement is asked for, ascending; `coordinates` left free; `spins`: limbs that
-    may turn about themselves without energy.
+    may turn about themselves without energy, None where nothing that moves freely is left out.
     """
 
     text: str
@@ -40,7 +40,7 @@ class Deck:
     rotation: Array
     shown: Indices
     coordinates: int
-    spins: int
+    spins: int | None
 
     def points(self) -> Array:
         """Return the nodes as written, read back from the text: (N, 3) [m], node n at n - 1."""
@@ -83,16 +83,16 @@ def write(
     ]
     # The platform's six coordinates beside those of the limbs.
     free = deck.coordinates + 6
-    spins = 0 if mechanism.simple else sum(limb.may_spin for limb in limbs)
-    check_count(count + spins, free)
+    spins = None if mechanism.simple else sum(limb.may_spin for limb in limbs)
+    wanted = count + (spins or 0)
+    check_count(wanted, free)
     asked = {n for equation in deck.equations for n, *_ in equation}
     along = {
         n for limb in lines for line in limb for n in (*line.nodes.ravel().tolist(), line.turn)
     }
     shown = sorted(({platform.place, platform.turn, *held.tolist()} | asked | along) - {0})
     deck.add_set("SHOWN", shown)
-    wanted = str(count + spins)
-    deck.lines += ["*STEP", "*FREQUENCY", wanted, "*NODE PRINT,NSET=SHOWN", "U", "*END STEP"]
+    deck.lines += ["*STEP", "*FREQUENCY", str(wanted), "*NODE PRINT,NSET=SHOWN", "U", "*END STEP"]
     return Deck(
         "\n".join([*deck.lines, ""]), (platform.place, platform.turn), held, lines, deck.joints,
         deck.equations, limbs, R, np.array(shown), free, spins,

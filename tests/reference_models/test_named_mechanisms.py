@@ -12,7 +12,7 @@ from analytic import Body, Continuum, InputError, Joint, Limb, Link, Mechanism, 
 from analytic.mechanism import Item
 from analytic.pairing import pair
 from harness.case_file import load_cases
-from reference_models import Named
+from reference_models import ModelError, Named
 from reference_models.catalogue import catalogue
 from reference_models.exudyn.beam import ExudynBeam
 from reference_models.exudyn.cable import ExudynCable
@@ -124,6 +124,20 @@ def test_calculix_solids_leave_out_a_limb_s_spin() -> None:
     found = CalculixSolid(2).modes(case.mechanism, case.pose, 4).frequencies
     exact = Continuum("timoshenko").modes(case.mechanism, case.pose, 4).frequencies
     np.testing.assert_allclose(found, exact, rtol=0.03)
+
+
+@pytest.mark.parametrize("base", ["S", "U"])
+@pytest.mark.parametrize(
+    "model",
+    [ExudynBeam(2), MujocoChain(2), pytest.param(CalculixSolid(2), marks=needs_ccx)],
+    ids=["beam", "chain", "solid"],
+)
+def test_a_platform_that_can_move_is_no_vibration(model: Any, base: str) -> None:
+    """Three limbs of a hexapod leave the platform three motions, beside the spins of S-S limbs."""
+    case = CASES["hexapod" if base == "U" else "six-sps"]
+    half = replace(case.mechanism, limbs=case.mechanism.limbs[:3])
+    with pytest.raises(ModelError, match=f"{3 if base == 'U' else 6} motions need no energy"):
+        model.modes(half, case.pose, 6)
 
 
 def resized(mechanism: Mechanism, k: float) -> Mechanism:
