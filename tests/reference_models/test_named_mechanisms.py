@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analytic import Body, Continuum, InputError, Joint, Limb, Link, Mechanism, Pose, Rod
+from analytic import Body, Continuum, Freedom, InputError, Joint, Limb, Link, Mechanism, Pose, Rod
 from analytic.mechanism import Item
 from analytic.pairing import pair
 from harness.case_file import load_cases
@@ -19,6 +19,7 @@ from reference_models.exudyn.cable import ExudynCable
 from reference_models.mujoco.chain import MujocoChain
 from reference_models.richardson import Richardson
 from reference_models.solid.calculix import CalculixSolid
+from reference_models.units import Units
 
 needs_ccx = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX is missing: apt-get install calculix-ccx"
@@ -138,6 +139,29 @@ def test_a_platform_that_can_move_is_no_vibration(model: Any, base: str) -> None
     half = replace(case.mechanism, limbs=case.mechanism.limbs[:3])
     with pytest.raises(ModelError, match=f"{3 if base == 'U' else 6} motions need no energy"):
         model.modes(half, case.pose, 6)
+
+
+@pytest.mark.parametrize("case", sorted(CASES))
+def test_units_of_the_robot_round_nothing(case: str) -> None:
+    mechanism, pose = CASES[case].mechanism, CASES[case].pose
+    units = Units(0.25, 64.0, 2.0**-12)
+    back = Units(1 / units.length, 1 / units.mass, 1 / units.time)
+    assert back.pose(units.pose(pose)) == pose
+    again = back.mechanism(units.mechanism(mechanism))
+    for limb, other in zip(again.limbs, mechanism.limbs, strict=True):
+        assert (limb.base, limb.platform_point) == (other.base, other.platform_point)
+        assert [item for item in limb.chain if not isinstance(item, Joint)] == [
+            item for item in other.chain if not isinstance(item, Joint)
+        ]
+        # A direction is made a unit vector anew, which may round it.
+        for f, g in zip(freedoms(limb), freedoms(other), strict=True):
+            assert f.stiffness == g.stiffness
+            np.testing.assert_allclose(f.axis, g.axis, rtol=0, atol=1e-15)
+    assert again.platform == mechanism.platform
+
+
+def freedoms(limb: Limb) -> list[Freedom]:
+    return [f for item in limb.chain if isinstance(item, Joint) for f in item.freedoms]
 
 
 def resized(mechanism: Mechanism, k: float) -> Mechanism:
