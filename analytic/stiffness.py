@@ -25,18 +25,38 @@ class Stiffness:
 
     Attributes: `matrix` S (6, 6), force and moment at o of a unit displacement and rotation [N/m,
     N, N m/rad]; `parts`, the elastic parts by (limb, item), both from 1 on, and what each is;
-    `shares` (parts, 6), what share of the compliance to each load alone (Fx, Fy, Fz, Mx, My, Mz) is
-    a part's: every column sums to 1.
+    `compliances` (parts, 6, 6), what each gives way: the sum is the inverse of S.
     """
 
     matrix: Floats
     parts: tuple[tuple[int, int, str], ...]
-    shares: Floats
+    compliances: Floats
 
     @property
     def compliance(self) -> Floats:
         """The inverse of `matrix`, (6, 6)."""
         return np.asarray(np.linalg.inv(self.matrix))
+
+    @property
+    def shares(self) -> Floats:
+        """What share of the compliance to each load alone (Fx, Fy, Fz, Mx, My, Mz) is a part's.
+
+        Shape (parts, 6); every column sums to 1.
+        """
+        each = np.diagonal(self.compliances, axis1=1, axis2=2)
+        return np.asarray(each / np.diag(self.compliance))
+
+    def softest(self, *, turns: bool = False) -> tuple[float, Floats, Floats]:
+        """Return the least stiffness to a force at o (`turns`: a moment), and what makes it.
+
+        1 / the largest eigenvalue of the compliance to forces [N/m, N m/rad]; its direction (3,);
+        the parts' shares of that compliance (parts,).
+        """
+        block = slice(3, 6) if turns else slice(0, 3)
+        values, vectors = np.linalg.eigh(self.compliance[block, block])
+        direction = vectors[:, -1] * np.sign(vectors[np.abs(vectors[:, -1]).argmax(), -1])
+        each = np.einsum("pij,i,j->p", self.compliances[:, block, block], direction, direction)
+        return float(1 / values[-1]), direction, each / values[-1]
 
 
 def stiffness(
@@ -56,17 +76,13 @@ def stiffness(
     matrix = K[-6:, :-6] @ follow + K[-6:, -6:]
     matrix = (matrix + matrix.T) / 2
     loaded = motion @ np.linalg.inv(matrix)
-    parts, energies = [], []
-    for limb, item, what, energy in _energies(problem, net, loaded):
-        parts.append((limb, item, what))
-        energies.append(energy)
-    order = sorted(range(len(parts)), key=lambda k: parts[k][:2])
-    shares = np.array([energies[k] for k in order]) / np.diag(np.linalg.inv(matrix))
-    return Stiffness(matrix, tuple(parts[k] for k in order), shares)
+    found = sorted(_energies(problem, net, loaded), key=lambda one: one[:2])
+    parts = tuple((limb, item, what) for limb, item, what, _ in found)
+    return Stiffness(matrix, parts, np.array([energy for *_, energy in found]))
 
 
 def _energies(problem: Exact, net: Network, u: Floats) -> list[tuple[int, int, str, Floats]]:
-    """Return twice the energy of every elastic part in motions u (size, 6), each (6,)."""
+    """Return twice the energy of every elastic part in motions u (size, 6), each (6, 6)."""
     found = []
     matrices = [
         element_matrices(problem.of[p.group, p.item], problem.lengths(p.group, p.item))[:1]
@@ -87,5 +103,5 @@ def _energies(problem: Exact, net: Network, u: Floats) -> list[tuple[int, int, s
             thing = alike.chains[k][item]
             what = thing.name if isinstance(thing, Joint) else "rod"
             limb = int(alike.limbs[k]) + 1
-            found.append((limb, item + 1, what, np.einsum("im,ij,jm->m", own, block[k], own)))
+            found.append((limb, item + 1, what, own.T @ block[k] @ own))
     return found

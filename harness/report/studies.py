@@ -23,7 +23,7 @@ MEANING = {
     "shear": "exact Rayleigh less exact Timoshenko",
 }
 OTHERS = {
-    "refine": "Limits", "slenderness": "Slenderness", "cost": "Cost",
+    "refine": "Limits", "slenderness": "Slenderness", "stiffness": "Stiffness", "cost": "Cost",
     "identify": "Identification",
 }  # fmt: skip
 """Studies without a picture of their own, and what the navigation calls them."""
