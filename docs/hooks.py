@@ -4,7 +4,10 @@ Equations stand as GitHub reads them, ```math blocks and $`...`$, and become Mat
 built: no script and no network shows them.
 """
 
+import base64
+import io
 import re
+from pathlib import Path
 from typing import Any
 
 import click
@@ -13,13 +16,53 @@ from latex2mathml.converter import convert
 BLOCK = re.compile(r"^```math\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INLINE = re.compile(r"\$`(.+?)`\$")
 COMMANDS = "<!-- commands -->"
+MECHANISMS = "<!-- mechanisms -->"
+FILE = Path(__file__).parents[1] / "results" / "published" / "mechanisms.toml"
+MODES = 8
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Return a page with its equations as MathML and the list of commands in its place."""
+    """Return a page with equations as MathML, the commands and the mechanisms in their places."""
     text = BLOCK.sub(lambda m: f"<p>{convert(m[1].strip(), display='block')}</p>", markdown)
     text = INLINE.sub(lambda m: f"<span>{convert(m[1])}</span>", text)
-    return text.replace(COMMANDS, commands()) if COMMANDS in text else text
+    for mark, made in ((COMMANDS, commands), (MECHANISMS, mechanisms)):
+        text = text.replace(mark, made()) if mark in text else text
+    return text
+
+
+def mechanisms() -> str:
+    """Return every named mechanism: its picture, its exact frequencies and its part of the file."""
+    from harness.case_file import load_cases
+
+    cases, source, parts = load_cases(FILE), FILE.read_text("utf-8"), []
+    first, *sections = re.split(r"^# -+ (.+)\n", source, flags=re.MULTILINE)
+    parts += ["All need these materials and rods:", f"```toml\n{first.strip()}\n```"]
+    for title, text in zip(sections[::2], sections[1::2], strict=True):
+        parts.append(f"## {title[0].upper()}{title[1:]}")
+        parts += [_mechanism(cases[name]) for name in re.findall(r"^\[cases\.(.+)\]", text, re.M)]
+        parts.append(f"```toml\n{text.strip()}\n```")
+    return "\n\n".join(parts)
+
+
+def _mechanism(case: Any) -> str:
+    from analytic import Continuum
+    from harness.figures import own_style
+    from harness.studies.shapes import rest_figure
+
+    data = io.BytesIO()
+    with own_style():
+        rest_figure(case).savefig(data, format="png", dpi=130, metadata={"Software": None})
+    picture = base64.b64encode(data.getvalue()).decode()
+    found = Continuum("timoshenko").frequencies(case.mechanism, case.pose, MODES)
+    chains = " and ".join(dict.fromkeys(limb.described for limb in case.mechanism.limbs))
+    names, values = (
+        " | ".join(cells)
+        for cells in ([f"f{i + 1} [Hz]" for i in range(MODES)], [f"{f:.4f}" for f in found])
+    )
+    return (
+        f'<img alt="{case.name}: limbs {chains}" src="data:image/png;base64,{picture}">\n\n'
+        f"Case `{case.name}`, limbs {chains}:\n\n| {names} |\n|{'---|' * MODES}\n| {values} |"
+    )
 
 
 def commands() -> str:

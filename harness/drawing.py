@@ -6,11 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import STATIONS, Mechanism, Pose, limbs_at, position
+from analytic import STATIONS, Body, Link, Mechanism, Pose, Rod, limbs_at, position
+from analytic.placed import place
 
 Array = NDArray[np.float64]
 AMPLITUDE = 0.2
 """Largest displacement drawn, relative to the mean limb length."""
+LINK = 0.012
+"""Radius of a rigid link as it is drawn, relative to the mean limb length."""
 TURN, HEIGHT = np.radians(-60), np.radians(18)
 """From where a mechanism is looked at: azimuth and elevation [rad]."""
 LIGHT = np.array([0.35, -0.75, 0.56])
@@ -22,38 +25,82 @@ RINGS = np.linspace(0, 1, 9)
 
 
 @dataclass(frozen=True)
+class Span:
+    """A rod or link of a limb from `begin` to `end`, fractions of its line; its `radius` [m]."""
+
+    limb: int
+    begin: float
+    end: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A joint or body of a limb: its `place`, a fraction of the line, its `kind` ("R", "U", "S",
+    "P", "fixed", "joint", "body"), and how far `beside` the line it is (3,) [m].
+    """
+
+    limb: int
+    place: float
+    kind: str
+    beside: Array
+
+
+@dataclass(frozen=True)
 class Drawn:
     """The undeformed mechanism [m].
 
-    Attributes: limbs from `bases` to `tips`, each (n, 3), with radii `rods` (n,); the platform's
-    `centre` (3,), the two `axes` of its plane (2, 3), and its `radius`; mean `length` of the limbs.
+    Attributes: limbs from `starts`, on their sliders, to `tips`, each (n, 3); their `bases` (n, 3);
+    `spans`, a rod or link each; `marks`, a joint or body each; the platform's `centre` (3,), the
+    two `axes` of its plane (2, 3), its `radius` and its centre of `mass` (3,); mean `length` of the
+    limbs; `plain`: whether its limbs are the paper's, which need no marks.
     """
 
     bases: Array
+    starts: Array
     tips: Array
-    rods: Array
+    spans: tuple[Span, ...]
+    marks: tuple[Mark, ...]
     centre: Array
     axes: Array
     radius: float
+    mass: Array
     length: float
+    plain: bool
 
     def limbs(self, shift: Array | float = 0.0) -> Array:
         """Return the limbs' axes, (n, stations, 3), moved by `shift` of the same shape."""
-        along = (self.tips - self.bases)[:, None]
-        return np.asarray(self.bases[:, None] + STATIONS[:, None] * along + shift)
+        along = (self.tips - self.starts)[:, None]
+        return np.asarray(self.starts[:, None] + STATIONS[:, None] * along + shift)
+
+    @property
+    def ground(self) -> Array:
+        """The bases round the z axis, a closed line (k, 3): without those on it."""
+        x, y, _ = self.bases.T
+        off = np.flatnonzero(np.hypot(x, y) > 1e-9)
+        around = off[np.arctan2(y[off], x[off]).round(9).argsort(kind="stable")]
+        return self.bases[[*around, *around[:1]]]
+
+    def marked(self, lines: Array) -> Array:
+        """Return where the marks are on the limbs' `lines` (n, stations, 3), (marks, 3)."""
+        return np.array([
+            at(lines[one.limb], np.array([one.place]))[0] + one.beside for one in self.marks
+        ]).reshape(-1, 3)  # fmt: skip
 
     def rim(self) -> Array:
         """Return the arms from the platform's centre to its rim, (33, 3)."""
         return self.radius * np.stack([np.cos(RING), np.sin(RING)], axis=1) @ self.axes
 
-    def surfaces(self, platform: Array, limbs: Array) -> Iterator[Array]:
-        """Yield the surface of each limb and of the platform last, as grids of points (k, 33, 3).
+    def surfaces(self, platform: Array, limbs: Array | float) -> Iterator[Array]:
+        """Yield the surface of each span and of the platform last, as grids of points (k, 33, 3).
 
         `platform`: its displacement and rotation (6,); `limbs`: their displacements (n, stations,
         3), both as large as they are drawn.
         """
-        for line, radius in zip(self.limbs(limbs), self.rods, strict=True):
-            yield tube(line, radius)
+        lines = self.limbs(limbs)
+        for one in self.spans:
+            inner = STATIONS[(one.begin < STATIONS) & (one.end > STATIONS)]
+            yield tube(at(lines[one.limb], np.array([one.begin, *inner, one.end])), one.radius)
         arms = self.rim()
         moved = arms + np.cross(platform[3:], arms)
         yield self.centre + platform[:3] + RINGS[:, None, None] * moved
@@ -61,16 +108,51 @@ class Drawn:
 
 def drawn(mechanism: Mechanism, pose: Pose) -> Drawn:
     """Return what is drawn of `mechanism` at `pose`."""
-    limbs, bases = limbs_at(mechanism, pose), mechanism.bases
+    limbs, o = limbs_at(mechanism, pose), np.asarray(position(mechanism, pose))
+    spans: list[Span] = []
+    marks: list[Mark] = []
+    starts = np.empty((len(mechanism.limbs), 3))
+    for group in place(mechanism, pose):
+        for i, chain, lengths, first in zip(
+            group.alike.limbs.tolist(), group.alike.chains, group.lengths, group.starts, strict=True
+        ):
+            starts[i] = first[0]
+            ends = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
+            for item, begin, end in zip(chain, ends, ends[1:], strict=False):
+                if isinstance(item, (Rod, Link)):
+                    spans.append(Span(i, float(begin), float(end), _radius(item, limbs.lengths)))
+                elif isinstance(item, Body):
+                    axes = group.frames[group.alike.limbs.tolist().index(i)]
+                    beside = axes @ item.centre if item.frame == "limb" else np.array(item.centre)
+                    marks.append(Mark(i, float(begin), "body", beside))
+                else:
+                    marks.append(Mark(i, float(begin), item.name, np.zeros(3)))
     return Drawn(
-        bases,
-        bases + limbs.lengths[:, None] * limbs.frames[:, :, 2],
-        np.array([limb.rod.diameter / 2 for limb in mechanism.limbs]),
-        np.asarray(position(mechanism, pose)),
+        mechanism.bases,
+        starts,
+        o + limbs.arms,
+        tuple(sorted(spans, key=lambda one: (one.limb, one.begin))),
+        tuple(sorted(marks, key=lambda one: (one.limb, one.place))),
+        o,
         pose.rotation.T[:2],
         float(np.linalg.norm(mechanism.platform_points, axis=1).max()),
+        o + pose.rotation @ mechanism.platform.centre,
         float(limbs.lengths.mean()),
+        mechanism.simple,
     )
+
+
+def _radius(item: Rod | Link, lengths: Array) -> float:
+    """Return how thick an item is drawn: a section that is not round by its area."""
+    if isinstance(item, Link):
+        return LINK * float(lengths.mean())
+    d = item.section.diameter
+    return float(np.sqrt(item.area / np.pi)) if d is None else d / 2
+
+
+def at(line: Array, places: Array) -> Array:
+    """Return the points of a limb's line (stations, 3) at fractions of its length, (k, 3)."""
+    return np.stack([np.interp(places, STATIONS, line[:, c]) for c in range(3)], axis=1)
 
 
 def scale(there: Drawn, limbs: Array) -> Array:

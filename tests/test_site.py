@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from harness.case_file import load_cases
 from harness.cli.main import HELP
 
 ROOT = Path(__file__).parents[1]
@@ -49,6 +50,19 @@ def test_every_command_and_page_is_there(site: Path) -> None:
     assert "--case-file FILE" in commands
     python = (site / "reference" / "python" / "index.html").read_text()
     assert "Return the <code>count</code> lowest modes at one pose" in python
+
+
+def test_every_named_mechanism_is_drawn_with_its_frequencies(site: Path) -> None:
+    page = (site / "mechanisms" / "index.html").read_text()
+    cases = load_cases(ROOT / "results/published/mechanisms.toml")
+    assert page.count("data:image/png;base64,") == len(cases) == 10
+    for name in cases:
+        assert f"<code>{name}</code>" in page
+    values = re.findall(r"<td>([\d.]+)</td>", page)
+    assert len(values) == 8 * len(cases)
+    # The three mechanisms whose exact values were worked out elsewhere.
+    for known in ("123.0070", "147.1842", "84.7281", "115.9935", "27.1773", "411.9162"):
+        assert known in values
 
 
 def test_nothing_is_asked_from_outside(site: Path) -> None:

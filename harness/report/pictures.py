@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.cases import Case
-from harness.drawing import drawn, seen
+from harness.drawing import at, drawn, seen
 from harness.report.section import Json
 
 Array = NDArray[np.float64]
@@ -23,23 +23,35 @@ PANELS = 2
 def mechanism(case: Case) -> Json:
     """Return the mechanism of a case at its pose as seen from the front: lines and outlines."""
     there = drawn(case.mechanism, case.pose)
-    n = len(there.bases)
-    points = np.concatenate([there.bases, there.tips, there.centre + there.rim()])
-    flat, near = seen(points)
+    lines = there.limbs()
+    ends = [at(lines[s.limb], np.array([s.begin, s.end])) for s in there.spans]
+    parts = [there.ground, there.centre + there.rim(), there.marked(lines), *ends]
+    flat, near = seen(np.concatenate(parts))
     low, high = flat.min(axis=0), flat.max(axis=0)
     scale = np.min((np.array([WIDE, HIGH]) - [110, 60]) / (high - low))
     placed = (flat - (low + high) / 2) * scale * [1, -1] + np.array([WIDE, HIGH]) / 2
-    ground, ends, platform = (part.tolist() for part in np.split(np.round(placed, 1), [n, 2 * n]))
-    widths = np.round(2 * there.rods * scale, 1).tolist()
+    cuts = np.cumsum([len(part) for part in parts])[:-1]
+    ground, platform, marks, *spans = (p.tolist() for p in np.split(np.round(placed, 1), cuts))
+    nearness = [part.sum() for part in np.split(near, cuts)[3:]]
+    chains = dict.fromkeys(limb.described for limb in case.mechanism.limbs)
     return {
         "width": WIDE,
         "height": HIGH,
         "base": ground,
         "platform": platform,
         "limbs": [
-            {"from": ground[k], "to": ends[k], "width": widths[k]}
-            for k in np.argsort(near[:n] + near[n : 2 * n])
+            {
+                "from": spans[k][0],
+                "to": spans[k][1],
+                "width": round(float(2 * there.spans[k].radius * scale), 1),
+            }
+            for k in np.argsort(nearness)
         ],
+        "joints": [
+            {"x": x, "y": y, "kind": one.kind}
+            for one, (x, y) in zip(there.marks, marks, strict=True)
+        ],
+        "chains": "" if there.plain else " and ".join(chains),
         "caption": case.heading,
     }
 

@@ -11,6 +11,9 @@ from harness.drawing import AMPLITUDE, drawn, scale
 from harness.report.material import Material
 from harness.report.section import Json, Section, digits
 
+SHOWN = "starts", "tips", "centre", "axes", "radius", "ground"
+"""What the page needs of what is drawn, beside spans and marks."""
+
 
 def section(run: Material) -> Section | None:
     """Return the section."""
@@ -25,7 +28,14 @@ def section(run: Material) -> Section | None:
         if models:
             there = drawn(case.mechanism, case.pose)
             data[case.name] = {
-                **{name: _rounded(value) for name, value in vars(there).items()},
+                **{name: _rounded(getattr(there, name)) for name in SHOWN},
+                "spans": [[s.limb, *_rounded([s.begin, s.end, s.radius])] for s in there.spans],
+                "marks": []
+                if there.plain
+                else [
+                    {"kind": m.kind, "limb": m.limb, "place": m.place, "beside": _rounded(m.beside)}
+                    for m in there.marks
+                ],
                 "models": {label(model): _model(run, case, model) for model in models},
             }
     if not data:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +27,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 OUTPUT = "shapes"
+MARKS: dict[str, dict[str, Any]] = {
+    "R": {"marker": "o", "ms": 4.0, "mfc": "w"},
+    "U": {"marker": "P", "ms": 4.5, "mfc": "w"},
+    "S": {"marker": "o", "ms": 4.0, "mfc": "k"},
+    "P": {"marker": "s", "ms": 5.0, "mfc": COLOURS[2]},
+    "fixed": {"marker": "d", "ms": 4.0, "mfc": "0.5"},
+    "body": {"marker": "h", "ms": 5.5, "mfc": COLOURS[4]},
+}
+"""How joints and bodies are marked."""
+LETTERS = 13
+"""Letters of a title an inch."""
+KEY = (
+    "Open circle R, plus U, black circle S, green square P, diamond fixed, hexagon a body, cross "
+    "the platform's centre of mass."
+)
 
 
 @dataclass(frozen=True)
@@ -165,35 +181,69 @@ def shapes_figure(result: Shapes, case: Case) -> "Figure":
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
         strip[0].set_ylabel(model.label, fontsize=9)
-    figure.suptitle(
+    said = (
         f"Mode shapes, {case.heading}. The largest displacement is drawn as {AMPLITUDE:g} of the "
-        "mean limb length; dashed: at rest.", fontsize=11,
-    )  # fmt: skip
+        "mean limb length; dashed: at rest."
+    )
+    if not there.plain:
+        said += f" {KEY}"
+    figure.suptitle(fill(said, int(LETTERS * figure.get_figwidth())), fontsize=11)
+    return figure
+
+
+def rest_figure(case: Case) -> "Figure":
+    """Return the mechanism of a case at rest."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(3.6, 3.2), layout="constrained")
+    axes = figure.subplots()
+    axes.set(aspect="equal", xticks=[], yticks=[])
+    axes.spines[:].set_visible(False)
+    draw(axes, drawn(case.mechanism, case.pose), np.zeros(6), 0.0)
     return figure
 
 
 def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None:
-    """Draw mode `i` over the outline of the mechanism at rest; what is nearer hides what is not."""
+    """Draw mode `i` over the outline of the mechanism at rest."""
+    enlarged = float(scale(there, modes.limbs[i]))
+    for line in (*there.limbs(), there.centre + there.rim()):
+        axes.plot(*seen(line)[0].T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=3)
+    draw(axes, there, enlarged * modes.platform[i], enlarged * modes.limbs[i])
+
+
+def draw(axes: "Axes", there: Drawn, platform: Array, limbs: Array | float) -> None:
+    """Draw a mechanism moved by so much; what is nearer hides what is not."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb
 
-    enlarged = float(scale(there, modes.limbs[i]))
-    surfaces = there.surfaces(enlarged * modes.platform[i], enlarged * modes.limbs[i])
-    found = [faces(surface) for surface in surfaces]
+    found = [faces(surface) for surface in there.surfaces(platform, limbs)]
     tints = [COLOURS[0]] * (len(found) - 1) + [COLOURS[1]]
     corners, near, light = (np.concatenate(part) for part in zip(*found, strict=True))
-    near[-len(found[-1][1]) :] += there.rods.max()  # the platform lies on the ends of the rods
+    # The platform lies on the ends of the rods.
+    near[-len(found[-1][1]) :] += max(one.radius for one in there.spans)
     own = np.repeat([to_rgb(tint) for tint in tints], [len(one[1]) for one in found], axis=0)
     order = near.argsort()
     colours = (own * (0.55 + 0.45 * light[:, None]))[order]
     # As a picture within the drawing: a page of vectors has a hundred thousand faces.
     axes.add_collection(PolyCollection([*corners[order]], facecolors=colours, edgecolors=colours,
                                        linewidths=0.3, rasterized=True, zorder=2))  # fmt: skip
-    ground = np.concatenate([there.bases, there.bases[:1]])
-    axes.plot(*seen(ground)[0].T, color="0.6", lw=1, zorder=1)
-    for line in (*there.limbs(), there.centre + there.rim()):
-        axes.plot(*seen(line)[0].T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=3)
+    axes.plot(*seen(there.ground)[0].T, color="0.6", lw=1, zorder=1)
+    if not there.plain:
+        draw_marks(axes, there, limbs, platform)
     axes.autoscale_view()
+
+
+def draw_marks(axes: "Axes", there: Drawn, limbs: Array | float, platform: Array) -> None:
+    """Draw joints and bodies by their kind, rails of sliders, and the platform's centre of mass."""
+    for base, start in zip(there.bases, there.starts, strict=True):
+        if np.abs(start - base).max() > 1e-9:
+            axes.plot(*seen(np.array([base, start]))[0].T, color="0.6", lw=1.4, zorder=1)
+    points = seen(there.marked(there.limbs(limbs)))[0]
+    for one, (x, y) in zip(there.marks, points, strict=True):
+        axes.plot(x, y, **MARKS.get(one.kind, MARKS["fixed"]), ls="", mec="k", mew=0.5, zorder=4)
+    arm = there.mass - there.centre
+    x, y = seen(there.mass + platform[:3] + np.cross(platform[3:], arm))[0]
+    axes.plot(x, y, marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=5)
 
 
 def assurance_figure(result: Shapes, title: str, reference: Named, found: Match) -> "Figure":

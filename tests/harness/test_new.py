@@ -33,6 +33,19 @@ def test_a_case_file(rps_bench: Callable[..., Any], here: Path, kind: str) -> No
     assert again.status == 2 and "one whose files are not there yet (my-robot.toml)" in again.err
 
 
+def test_the_chain_that_is_commented_out_runs_too(
+    rps_bench: Callable[..., Any], here: Path
+) -> None:
+    assert rps_bench("new", "mechanism", "mine").status == 0
+    text = (here / "mine.toml").read_text()
+    head, mark, chain = text.partition("# [materials.steel]")
+    bare = re.sub(r"^# ?", "", mark + chain, flags=re.MULTILINE)
+    (here / "mine.toml").write_text(head + bare)
+    said = rps_bench("stiffness", "--case-file", "mine.toml", "--cases", "mine-moved")
+    assert said.status == 0, said.err
+    assert "of that is P joint (item 3): stiffen it first" in said.out
+
+
 def test_a_paper(rps_bench: Callable[..., Any], here: Path) -> None:
     assert rps_bench("new", "paper", "other").status == 0
     said = rps_bench("table", "--case-file", "other", "--references", "timoshenko@exact")

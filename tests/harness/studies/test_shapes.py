@@ -1,15 +1,19 @@
 """Mode shapes beside each other: same order, same sign, same basis; and their pictures."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from harness.bench import Study, run
+from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.drawing import AMPLITUDE, HEIGHT, TURN, drawn, faces, scale, tube
 from harness.figures import picture
 from harness.studies.shapes import Shapes, aligned
 from reference_models import Named
 
+MECHANISMS = Path(__file__).parents[3] / "results/published/mechanisms.toml"
 THEORY, REFERENCE = Named("euler-bernoulli", 6), Named("exudyn-cable", 6)
 
 
@@ -57,6 +61,35 @@ def test_rods_end_on_the_rim_of_the_platform(study: Study) -> None:
         np.testing.assert_allclose(ends, moved, atol=1e-9)
 
 
+def test_a_chain_is_drawn_item_by_item() -> None:
+    """Both links with their own diameters, every joint where it is, and the centre of mass."""
+    case = load_cases(MECHANISMS)["hexapod"]
+    there = drawn(case.mechanism, case.pose)
+    assert [one.radius for one in there.spans] == pytest.approx(6 * [0.035, 0.02])
+    lengths = np.linalg.norm(there.tips - there.starts, axis=1)
+    first = [one.end * lengths[one.limb] for one in there.spans[::2]]
+    assert first == pytest.approx(6 * [0.42])
+    assert [one.kind for one in there.marks] == 6 * ["U", "P", "S"]
+    places = there.marked(there.limbs()).reshape(6, 3, 3)
+    np.testing.assert_allclose(places[:, 0], case.mechanism.bases, atol=1e-12)
+    np.testing.assert_allclose(places[:, 2], there.tips, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(places[:, 1] - places[:, 0], axis=1), 0.42)
+    np.testing.assert_allclose(there.mass - there.centre, case.pose.rotation @ [0, 0, 0.02])
+    x, y, _ = there.ground.T
+    turns = np.diff(np.unwrap(np.arctan2(y, x)))
+    assert (turns > 0).all() and turns.sum() == pytest.approx(2 * np.pi)
+
+
+def test_a_slider_is_drawn_on_its_rail() -> None:
+    case = load_cases(MECHANISMS)["prs"]
+    there = drawn(case.mechanism, case.pose)
+    np.testing.assert_allclose((there.starts - there.bases)[:, :2], 0, atol=1e-15)
+    np.testing.assert_allclose(np.linalg.norm(there.tips - there.starts, axis=1), 0.55)
+    kinds = {one.kind: one for one in there.marks if one.limb == 0}
+    assert list(kinds) == ["P", "body", "R", "S"]
+    np.testing.assert_allclose(kinds["body"].beside, [0, 0, 0.015])
+
+
 def test_what_is_nearer_is_drawn_last() -> None:
     """A patch in front of another hides it whatever comes first; both face the light."""
     patch = np.array([[[0.0, 0, 0], [0, 0, 1]], [[1, 0, 0], [1, 0, 1]]])
@@ -76,6 +109,6 @@ def test_assurance_of_every_pair_and_a_picture_a_case(study: Study) -> None:
     figures = result.figures()
     assert list(figures) == ["-case1", "-case2", "-assurance-case1-exudyn-cable@6",
                              "-assurance-case2-exudyn-cable@6"]  # fmt: skip
-    title = figures["-case2"].get_suptitle()
+    title = " ".join(figures["-case2"].get_suptitle().split())
     assert "drawn as 0.2 of the mean limb length" in title
     assert len(picture(figures["-case2"], "png")) > 20_000
