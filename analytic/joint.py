@@ -47,14 +47,24 @@ class Joint:
 
     `slider`, "above" or "below": its first freedom, a translation in base axes, adapts to the pose
     and is locked there; of the two places where rods of given lengths reach, the one further along
-    its axis ("above") or less far. `name` is what drawings and sentences call it.
+    its axis ("above") or less far. `name` is what drawings and sentences call it. Where the
+    workspace ends: the limb leaves `rest`, a direction in the base's axes or, of a joint beyond the
+    last rod, in the platform's, by at most `largest` [rad]; None: by any angle.
     """
 
     freedoms: tuple[Freedom, ...]
     slider: str = ""
     name: str = field(default="joint", compare=False)
+    largest: float | None = field(default=None, compare=False, repr=False)
+    rest: Vector = field(default=(0.0, 0.0, 1.0), compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        if self.largest is not None:
+            expected = "an angle above 0 and at most pi"
+            angle = number("Joint.largest", self.largest, expected, positive=True)
+            if angle > math.pi:
+                raise InputError("Joint.largest", angle, expected)
+        object.__setattr__(self, "rest", direction("Joint.rest", self.rest))
         object.__setattr__(self, "freedoms", tuple(self.freedoms))
         if not all(isinstance(freedom, Freedom) for freedom in self.freedoms):
             raise InputError("Joint.freedoms", self.freedoms, "Freedoms")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -48,15 +48,27 @@ class Limb:
     the limb's axes, z runs along it and y is `reference` without its part along z. By default it is
     the axis of the first turn in base axes, or else the tangent at the base.
     All of a chain lies on one line. Of it exactly one thing adapts to the pose: a rod or a link
-    without length, or a slider. Raises `InputError` for any other chain.
+    without length, or a slider. `stroke`: the least and the largest length of that, or place of the
+    slider from B_i along its axis, where the workspace ends [m]; None: any.
+    Raises `InputError` for any other chain.
     """
 
     base: Vector
     platform_point: Vector
     chain: tuple[Item, ...]
     reference: Vector | None = None
+    stroke: tuple[float, float] | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        if self.stroke is not None:
+            expected = "the least and the largest of two lengths in metres"
+            try:
+                low, high = (number("Limb.stroke", value, expected) for value in self.stroke)
+            except (TypeError, ValueError):
+                raise InputError("Limb.stroke", self.stroke, expected) from None
+            if not low < high:
+                raise InputError("Limb.stroke", self.stroke, expected)
+            object.__setattr__(self, "stroke", (low, high))
         three_metres = "three finite coordinates in metres"
         object.__setattr__(self, "base", vector("Limb.base", self.base, three_metres))
         point = vector("Limb.platform_point", self.platform_point, three_metres)
@@ -179,7 +191,8 @@ class Limb:
             if isinstance(i, Joint):
                 # A ball has no axes to turn.
                 same = i == Joint.spherical(i.freedoms[0].stiffness if i.freedoms else 0.0)
-                return i if same else replace(i, freedoms=tuple(map(freedom, i.freedoms)))
+                kept = i.freedoms if same else tuple(map(freedom, i.freedoms))
+                return replace(i, freedoms=kept, rest=turn(i.rest))
             if isinstance(i, Body) and i.frame == "base":
                 R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
                 x, y, z = (tuple(row) for row in (R @ np.array(i.inertia) @ R.T).tolist())
@@ -188,7 +201,7 @@ class Limb:
 
         reference = None if self.reference is None else turn(self.reference)
         chain = tuple(map(item, self.chain))
-        return Limb(turn(self.base), turn(self.platform_point), chain, reference)
+        return Limb(turn(self.base), turn(self.platform_point), chain, reference, self.stroke)
 
 
 @dataclass(frozen=True)
@@ -277,6 +290,12 @@ class Mechanism:
     def simple(self) -> bool:
         """Whether all limbs are the paper's, and o is the platform's centre of mass."""
         return all(limb.simple for limb in self.limbs) and not any(self.platform.centre)
+
+    @property
+    def limited(self) -> bool:
+        """Whether it says itself where its workspace ends: strokes, or largest angles of joints."""
+        joints = (i for limb in self.limbs for i in limb.chain if isinstance(i, Joint))
+        return any(limb.stroke for limb in self.limbs) or any(j.largest for j in joints)
 
     @cached_property
     def longest(self) -> NDArray[np.float64]:

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError, count, number
 from analytic.kinematics import limbs_at
-from analytic.mechanism import Mechanism
+from analytic.mechanism import Joint, Link, Mechanism, Rod
+from analytic.placed import placed_where
 from analytic.pose import Pose, check_poses, closes
 
 Floats = NDArray[np.float64]
 
 CONSTRAINTS = ("shortest limb", "longest limb", "spherical joint", "revolute joint")
 """The last axis of `margins`."""
+OF_CHAINS = ("shortest stroke", "longest stroke", "joint at the platform", "joint at the base")
+"""The same of limbs of any chain."""
 STEP = math.radians(1)
 """Tilts are tried this far apart: a gap in the reachable tilts narrower than this is not seen."""
 SMALLEST = 1e-10
@@ -38,6 +41,8 @@ class Limits:
     perpendicular to the platform. beta_i is its angle from the global z about the revolute axis:
     zero for a vertical limb. The paper prints the lengths and neither angle; 45 degrees stands
     for both: a wide-angle ball joint, and a hinge that clears its bracket.
+    A mechanism that is `limited` says its own, and these are not asked. `torsion` [rad], `x` and
+    `y` [m] are those of every pose; None: the hinges say x and y.
     Raises `InputError` for lengths out of order or angles not between 0 and pi.
     """
 
@@ -45,6 +50,15 @@ class Limits:
     length_max: float = 1.0
     spherical_max: float = math.pi / 4
     revolute_max: float = math.pi / 4
+    torsion: float = 0.0
+    x: float | None = None
+    y: float | None = None
+
+    def held(self, poses: Pose) -> Pose:
+        """Return `poses` with the torsion, x and y of every pose."""
+        if poses.x is not None or (self.x is None and not self.torsion):
+            return poses
+        return Pose(poses.z, poses.azimuth, poses.tilt, self.torsion, self.x, self.y)
 
     def __post_init__(self) -> None:
         low = number("Limits.length_min", self.length_min, "a finite number of metres")
@@ -68,7 +82,10 @@ def margins(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
     check_poses(mechanism, poses)
     if not isinstance(limits, Limits):
         raise InputError("limits", limits, "Limits")
-    flat = poses.ravel()
+    flat = limits.held(poses).ravel()
+    if mechanism.limited or not mechanism.simple:
+        inside = _of_chains(mechanism, flat, limits)
+        return inside.reshape(*poses.shape, *inside.shape[1:])
     result = np.full((len(flat), len(mechanism.limbs), len(CONSTRAINTS)), np.nan)
     closed: Any = slice(None)
     try:
@@ -76,14 +93,54 @@ def margins(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
     except InputError:
         closed = closes(mechanism, flat)
         limbs = limbs_at(mechanism, flat[closed])
-    inside = (
+    inside_all = (
         limbs.lengths - limits.length_min,
         limits.length_max - limbs.lengths,
         limits.spherical_max - np.abs(limbs.spherical),
         limits.revolute_max - np.abs(limbs.revolute),
     )
-    result[closed] = np.stack(inside, axis=-1)
+    result[closed] = np.stack(inside_all, axis=-1)
     return result.reshape(*poses.shape, *result.shape[1:])
+
+
+def _of_chains(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
+    """Return `margins` of limbs of any chain, at N poses in a row: its own limits, or `limits`."""
+    own, z = mechanism.limited, np.array([0.0, 0.0, 1.0])
+    groups, good = placed_where(mechanism, poses)
+    result = np.full((len(poses), len(mechanism.limbs), len(OF_CHAINS)), np.inf)
+    for group in groups:
+        rods = group.alike.rods
+        for j, i in enumerate(group.alike.limbs.tolist()):
+            limb, along = mechanism.limbs[i], group.frames[:, j, :, 2]
+            size, least, most = group.lengths[:, j].sum(axis=-1), limits.length_min, np.inf
+            if not own:
+                most = limits.length_max
+            elif limb.stroke is not None:
+                least, most = limb.stroke
+                free = np.flatnonzero(np.isnan(group.alike.lengths[j]))
+                size = (
+                    group.lengths[:, j, free[0]]
+                    if free.size
+                    else (group.starts[:, j, 0] - limb.base) @ group.alike.slides[j]
+                )
+            else:
+                least = -np.inf
+            result[:, i, 0], result[:, i, 1] = size - least, most - size
+            for k, item in enumerate(limb.chain):
+                if not isinstance(item, Joint) or rods[0] < k < rods[-1]:
+                    continue
+                tip = k > rods[-1]
+                bound = limits.spherical_max if tip else limits.revolute_max
+                largest, rest = (item.largest, np.array(item.rest)) if own else (bound, z)
+                if largest is None:
+                    continue
+                away = group.turned @ rest if tip else np.broadcast_to(rest, along.shape)
+                across = np.linalg.norm(np.cross(away, along), axis=-1)
+                angle = np.arctan2(across, (away * along).sum(axis=-1))
+                place = 2 if tip else 3
+                result[:, i, place] = np.minimum(result[:, i, place], largest - angle)
+    result[~good] = np.nan
+    return result
 
 
 def reachable(mechanism: Mechanism, poses: Pose, limits: Limits) -> NDArray[np.bool_]:
@@ -166,26 +223,48 @@ def inscribed(
     return radii, touch
 
 
-def heights(mechanism: Mechanism, limits: Limits) -> tuple[float, float]:
+def heights(mechanism: Mechanism, limits: Limits, near: float | None = None) -> tuple[float, float]:
     """Return the lowest and highest z of the level platform above the base, to 1e-12 m.
 
-    Of several stretches, the lowest. Raises `InputError` where there is none.
+    Of several stretches, the lowest; of limbs other than R-P-S, above the base or below it, the one
+    next to `near` [m], or else the longest, above it if there is one. Raises `InputError` where there is none.
     """
-    reach = limits.length_max + np.abs(mechanism.platform_points).sum(axis=1).max()
-    z = np.linspace(0, np.abs(mechanism.bases[:, 2]).max() + reach, 1001)[1:]
+    anywhere = mechanism.limited or not mechanism.simple
+    reach = np.abs(mechanism.platform_points).sum(axis=1).max() + _longest(mechanism, limits, near)
+    top = np.abs(mechanism.bases[:, 2]).max() + reach
+    z = np.linspace(-top if anywhere else 0, top, 2001 if anywhere else 1001)[1:]
+    step = z[1] - z[0]
     inside = np.flatnonzero(reachable(mechanism, Pose(z), limits))
     if not inside.size:
-        raise InputError("limits", limits, "limits that a level platform above the base can meet")
-    first = inside[0]
-    last = first + np.flatnonzero(~np.isin(np.arange(first, len(z) + 1), inside))[0] - 1
+        where = "" if anywhere else " above the base"
+        raise InputError("limits", limits, f"limits that a level platform{where} can meet")
+    stretches = np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1)
+    chosen = stretches[0]
+    if anywhere and near is not None:
+        chosen = min(stretches, key=lambda some: float(np.abs(z[some] - near).min()))
+    elif anywhere:
+        chosen = max([some for some in stretches if z[some[0]] > 0] or stretches, key=len)
+    first, last = int(chosen[0]), int(chosen[-1])
     ends = []
-    for within, outside in ((z[first], z[first] - z[0]), (z[last], z[last] + z[0])):
+    for within, outside in ((z[first], z[first] - step), (z[last], z[last] + step)):
         a, b = within, outside
         while abs(b - a) > 1e-12:
             middle = (a + b) / 2
-            if middle > 0 and reachable(mechanism, Pose(middle), limits):
+            if (anywhere or middle > 0) and reachable(mechanism, Pose(middle), limits):
                 a = middle
             else:
                 b = middle
         ends.append(float(a))
     return ends[0], ends[1]
+
+
+def _longest(mechanism: Mechanism, limits: Limits, near: float | None) -> float:
+    """Return how far limbs reach at most [m]: by their strokes, `limits`, or about `near`."""
+    if not mechanism.limited:
+        return limits.length_max
+    found = []
+    for limb in mechanism.limbs:
+        given = sum(i.length or 0.0 for i in limb.chain if isinstance(i, (Rod, Link)))
+        own = max(map(abs, limb.stroke)) if limb.stroke else 2 * abs(near or 0.0) + 1.0
+        found.append(given + own)
+    return max(found)

@@ -12,6 +12,7 @@ chain = [{joint = "U", axis = "tangential"}, {rod = "leg"}, {joint = "S"}]
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -141,7 +142,7 @@ def _platform(table: Any, where: str) -> Platform:
 
 
 def _limbs(table: Any, where: str, known: Mapping[str, Rod]) -> list[Limb]:
-    only(table, where, "copies", "base_mm", "platform_point_mm", "chain", "reference")
+    only(table, where, "copies", "base_mm", "platform_point_mm", "chain", "reference", "stroke_mm")
     base = _metres(table.get("base_mm"), f"{where}.base_mm")
     items = table.get("chain")
     if not isinstance(items, list):
@@ -151,7 +152,16 @@ def _limbs(table: Any, where: str, known: Mapping[str, Rod]) -> list[Limb]:
     if reference is not None:
         reference = _direction(reference, f"{where}.reference", base)
     point = _metres(table.get("platform_point_mm"), f"{where}.platform_point_mm")
-    limb = Limb(base, point, chain, reference)
+    stroke = table.get("stroke_mm")
+    if stroke is not None:
+        expected = "the least and the largest of two lengths in millimetres"
+        if not isinstance(stroke, list) or len(stroke) != 2:
+            raise InputError(f"{where}.stroke_mm", stroke, expected)
+        low, high = (number(f"{where}.stroke_mm", v, expected) / 1000 for v in stroke)
+        if not low < high:
+            raise InputError(f"{where}.stroke_mm", stroke, expected)
+        stroke = low, high
+    limb = Limb(base, point, chain, reference, stroke)
     copies = count(f"{where}.copies", table.get("copies", 1), at_most=1000)
     return [limb.turned(2 * math.pi * k / copies) if k else limb for k in range(copies)]
 
@@ -177,10 +187,23 @@ def _item(table: Any, where: str, base: Three, known: Mapping[str, Rod]) -> Any:
 
 
 def _joint(table: Any, where: str, base: Three) -> Joint:
+    """Return a joint with its limits of the workspace."""
     only(
         table, where, "joint", "axis", "frame", "slider", "stiffness_N_m", "stiffness_Nm_rad",
-        "tilt_stiffness_Nm_rad",
+        "tilt_stiffness_Nm_rad", "largest_deg", "rest",
     )  # fmt: skip
+    found = _free_joint(table, where, base)
+    if "rest" in table:
+        found = replace(found, rest=_direction(table["rest"], f"{where}.rest", base))
+    if "largest_deg" not in table:
+        return found
+    largest = get(table, where, "largest_deg")
+    if not 0 < largest <= 180:
+        raise InputError(f"{where}.largest_deg", largest, "degrees above 0 and at most 180")
+    return replace(found, largest=largest * DEGREES)
+
+
+def _free_joint(table: Table, where: str, base: Three) -> Joint:
     name, frame = table.get("joint"), table.get("frame", "base")
     if name not in JOINTS:
         raise InputError(f"{where}.joint", name, f"one of {', '.join(JOINTS)}")

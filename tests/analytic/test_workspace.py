@@ -10,10 +10,14 @@ from hypothesis import strategies as st
 
 from analytic import (
     InputError,
+    Joint,
+    Limb,
     Limits,
     Mechanism,
     Pose,
     RegularWorkspace,
+    Rod,
+    Section,
     limbs_at,
     reachable,
     regular_workspace,
@@ -244,3 +248,62 @@ def test_volume_and_random_poses() -> None:
 def test_bad_limits(given: dict[str, float], named: str) -> None:
     with pytest.raises(InputError, match=named):
         Limits(**given)
+
+
+def limited(mechanism: Mechanism, stroke: tuple[float, float], angle: float) -> Mechanism:
+    """The mechanism with limits of its own: of every limb's length, and of both its joints."""
+    limbs = []
+    for limb in mechanism.limbs:
+        first, rod, last = limb.chain
+        assert isinstance(first, Joint) and isinstance(last, Joint)
+        chain = (replace(first, largest=angle), rod, replace(last, largest=angle))
+        limbs.append(replace(limb, chain=chain, stroke=stroke))
+    return Mechanism(tuple(limbs), mechanism.platform)
+
+
+def test_limits_that_a_mechanism_states_are_those_of_eq_25_where_these_are_its_own() -> None:
+    own = limited(PAPER, (0.2, 1.0), np.pi / 4)
+    assert own == PAPER and repr(own) == repr(PAPER) and own.limited and not PAPER.limited
+    poses = Pose(np.linspace(0.2, 1.0, 40)[:, None], 0.3, np.radians([0, 5, 15, 30, 50]))
+    np.testing.assert_allclose(margins(own, poses, LIMITS), margins(PAPER, poses, LIMITS),
+                               atol=1e-12)  # fmt: skip
+    assert heights(own, LIMITS) == pytest.approx(heights(PAPER, LIMITS), abs=2e-12)
+    tilt = float(boundary(own, 0.49, 0.4, LIMITS))
+    assert tilt == pytest.approx(float(boundary(PAPER, 0.49, 0.4, LIMITS)), abs=2 * SMALLEST)
+
+
+def test_its_own_limits_stand_instead_of_eq_25() -> None:
+    tight = limited(PAPER, (0.45, 0.5), np.pi)
+    low, high = heights(tight, LIMITS)
+    assert (low, high) == pytest.approx([math.sqrt(L**2 - 0.1**2) for L in (0.45, 0.5)], abs=1e-11)
+    # The joint alone: the limb of case 1 leans by atan(0.1 / z) from both verticals.
+    narrow = limited(PAPER, (0.0, 9.0), 0.2)
+    assert heights(narrow, LIMITS)[0] == pytest.approx(0.1 / math.tan(0.2), abs=2e-12)
+
+
+def test_a_slider_s_stroke_and_downward_limbs() -> None:
+    """A rod of 0.55 m reaches 0.17 m across: the platform hangs sqrt(0.55^2 - 0.17^2) below."""
+    steel = PAPER.limbs[0].rod.material
+    chain = (
+        Joint.prismatic((0, 0, 1), slider="above"),
+        replace(Joint.revolute((0, 1, 0)), largest=0.7, rest=(0, 0, -1)),
+        Rod(steel, Section.round(0.05), 0.55),
+        replace(Joint.spherical(), largest=0.7, rest=(0, 0, -1)),
+    )
+    limb = Limb((0.35, 0, 0), (0.18, 0, 0), chain, stroke=(-0.7, -0.1))
+    turned = tuple(limb.turned(2 * math.pi * k / 3) for k in range(3))
+    robot = Mechanism(turned, PAPER.platform)
+    drop = math.sqrt(0.55**2 - 0.17**2)
+    assert heights(robot, LIMITS) == pytest.approx([-0.7 - drop, -0.1 - drop], abs=1e-11)
+    lean = margins(robot, Pose(-0.9), LIMITS)
+    assert lean[:, 2:] == pytest.approx(0.7 - math.asin(0.17 / 0.55))
+    assert turned[1].stroke == (-0.7, -0.1)
+
+
+def test_poses_may_share_x_y_and_torsion() -> None:
+    limits = replace(LIMITS, x=0.01, y=-0.02, torsion=0.1)
+    held = limits.held(Pose(np.array([0.5, 0.6]), 0.3, 0.1))
+    np.testing.assert_array_equal(held.x, [0.01, 0.01])
+    np.testing.assert_array_equal(held.torsion, [0.1, 0.1])
+    placed = Pose(0.5, x=0.0, y=0.0)
+    assert limits.held(placed) is placed

@@ -1,6 +1,6 @@
 """The regular workspace and the frequencies in it: Fig. 6, and the paper's statements on it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from sys import float_info
 from typing import TYPE_CHECKING, Any
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError, Limits
+from analytic import InputError, Limits, Mechanism, Pose
 from analytic.model import Model
 from analytic.workspace import heights
 from harness.bench import Bench, label
@@ -56,15 +56,15 @@ def _layers(text: str) -> NDArray[np.float64]:
     return np.array(values) / 1000
 
 
-def _length(name: str, text: str, default: str) -> Option:
+def _length(name: str, text: str) -> Option:
     parse = real(name, "millimetres from 0", 0.0)
-    return Option(name, "L", text, default, lambda given: parse(given) / 1000)
+    return Option(name, "L", text, None, lambda given: parse(given) / 1000)
 
 
 def _angle(name: str, text: str) -> Option:
     parse = real(name, "degrees above 0 and at most 180", float_info.min, 180.0)
     said = f"Largest angle of a limb from {text}; default 45 (none is printed)."
-    return Option(name, "ANGLE", said, "45", lambda given: float(np.radians(parse(given))))
+    return Option(name, "ANGLE", said, None, lambda given: float(np.radians(parse(given))))
 
 
 OUTPUT = "workspace"
@@ -73,8 +73,8 @@ DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
 OPTIONS = (
     Option("layers", "Z,Z", "Heights z [mm]; default six over the cone.", None, _layers),
     Option("grid", "AxT", "Azimuths x tilts; default 72x15, or 12x4 for a simulator.", None, _grid),
-    _length("length_min_mm", "Shortest limb; default 200.", "200"),
-    _length("length_max_mm", "Longest limb; default 1000.", "1000"),
+    _length("length_min_mm", "Shortest limb; default 200."),
+    _length("length_max_mm", "Longest limb; default 1000."),
     _angle("spherical_max_deg", "the platform's normal"),
     _angle("revolute_max_deg", "the vertical"),
 )
@@ -131,7 +131,8 @@ def workspace(
     size: tuple[int, int] | None = None,
 ) -> Workspace:
     """Return the map of `model` over a region: `layers` of heights [m], `size` azimuths x tilts."""
-    isolated = model.info().isolated
+    # Limbs of any chain are solved pose by pose.
+    isolated = model.info().isolated or not region.mechanism.simple
     azimuths, tilts = size or (ONE_BY_ONE if isolated else BATCHED)
     limbs = len(region.mechanism.limbs)
     if azimuths % limbs:
@@ -162,21 +163,36 @@ def run(request: Request, bench: Bench) -> Workspace:
         said = ", ".join(case.name for case in request.cases)
         raise InputError("cases", said, "one case, whose mechanism is mapped")
     options, mechanism = request.options, request.cases[0].mechanism
-    low, high = options["length_min_mm"], options["length_max_mm"]
-    if high <= low:
-        expected = f"more than length_min_mm = {1000 * low:g}"
-        raise InputError("length_max_mm", 1000 * high, expected)
-    limits = Limits(low, high, options["spherical_max_deg"], options["revolute_max_deg"])
-    layers = options["layers"]
+    pose, limits = request.cases[0].pose, _limits(mechanism, request.cases[0].pose, options)
+    layers = options.get("layers")
     if layers is not None:
-        bottom, top = heights(mechanism, limits)
+        bottom, top = heights(mechanism, limits, pose.z)
         if not ((layers >= bottom) & (layers <= top)).all():
             said = ",".join(f"{1000 * z:g}" for z in layers)
             raise InputError(
                 "layers", said, f"heights from {1000 * bottom:.1f} to {1000 * top:.1f} mm"
             )
-    region = Region.of(mechanism, limits)
-    return workspace(region, request.theory, request.shown, bench, layers, options["grid"])
+    region = Region.of(mechanism, limits, pose.z)
+    return workspace(region, request.theory, request.shown, bench, layers, options.get("grid"))
+
+
+def _limits(mechanism: Mechanism, pose: Pose, options: Mapping[str, Any]) -> Limits:
+    """Return the limits that are asked for, at the case's torsion, and x and y if it has them."""
+    names = {
+        "length_min": "length_min_mm", "length_max": "length_max_mm",
+        "spherical_max": "spherical_max_deg", "revolute_max": "revolute_max_deg",
+    }  # fmt: skip
+    given = {k: options[name] for k, name in names.items() if options.get(name) is not None}
+    if given and mechanism.limited:
+        name = names[next(iter(given))]
+        raise InputError(name, "a limit", "none beside the limits that the mechanism states")
+    usual = Limits()
+    low = given.get("length_min", usual.length_min)
+    high = given.get("length_max", usual.length_max)
+    if high <= low:
+        expected = f"more than length_min_mm = {1000 * low:g}"
+        raise InputError("length_max_mm", 1000 * high, expected)
+    return Limits(**given, torsion=pose.torsion, x=pose.x, y=pose.y)
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

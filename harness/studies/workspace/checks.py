@@ -75,10 +75,19 @@ def region_table(region: Region, data: WorkspaceMap, shown: Sequence[int]) -> Ta
         rows.append(tuple(cells))
     limits = region.limits
     angles = np.degrees([limits.spherical_max, limits.revolute_max])
-    notes = (
+    words = ("spherical joints", "revolute joints") if region.mechanism.simple else (
+        "joints at the platform", "joints at the base")  # fmt: skip
+    said = (
         f"limits: limbs {1000 * limits.length_min:g} to {1000 * limits.length_max:g} mm; "
-        f"spherical joints {angles[0]:g} deg from limbs normal to the platform; "
-        f"revolute joints {angles[1]:g} deg from vertical limbs",
+        f"{words[0]} {angles[0]:g} deg from limbs normal to the platform; "
+        f"{words[1]} {angles[1]:g} deg from vertical limbs"
+    )
+    if region.mechanism.limited:
+        said = "limits: strokes and joint angles as the mechanism states them"
+    if limits.x is not None:
+        said += f"; x = {1000 * limits.x:g} mm, y = {1000 * (limits.y or 0.0):g} mm everywhere"
+    notes = (
+        said,
         "circle: largest tilt that every azimuth reaches; cone: the truncated cone's at that z",
         ORDER,
     )

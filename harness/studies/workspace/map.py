@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Limits, Mechanism, Modes, Pose, RegularWorkspace
+from analytic import InputError, Joint, Limits, Mechanism, Modes, Pose, RegularWorkspace
 from analytic.model import Model
-from analytic.workspace import CONSTRAINTS, heights, inscribed, margins
+from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margins
 from harness.bench import Bench, label
 from harness.cases import Case
 from harness.result import Result
@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 ASCENDING = 1e-9
 """Relative fall of a frequency below the one before it that is rounding of a repeated one."""
+LEAST = 1e-3
+"""A platform that tilts by less than this everywhere does not tilt [rad]."""
 PROFILE = 41
 """Heights at which the inscribed circles are found, from the lowest to the highest."""
 
@@ -44,10 +46,22 @@ class Region:
     cone: RegularWorkspace
 
     @classmethod
-    def of(cls, mechanism: Mechanism, limits: Limits) -> "Region":
-        """Return it; raises `InputError` where a level platform is nowhere within `limits`."""
-        z = np.linspace(*heights(mechanism, limits), PROFILE)
+    def of(cls, mechanism: Mechanism, limits: Limits, near: float | None = None) -> "Region":
+        """Return it, of several stretches of heights the one next to `near` (see `heights`).
+
+        Raises `InputError` where a level platform is nowhere within `limits`, or does not tilt.
+        """
+        for limb in mechanism.limbs:
+            last = limb.chain[-1]
+            if not (isinstance(last, Joint) and any(f.kind == "rotation" for f in last.freedoms)):
+                expected = "limbs with joints at the platform; `sweep --poses` takes other poses"
+                raise InputError("mechanism", limb.described, expected)
+        z = np.linspace(*heights(mechanism, limits, near), PROFILE)
         circles = RegularWorkspace(z, inscribed(mechanism, z, limits, azimuths=36)[0])
+        if circles.radii.max() < LEAST:
+            chain = mechanism.limbs[0].described
+            expected = "limbs whose platform tilts any way; `sweep --poses` takes other poses"
+            raise InputError("mechanism", chain, expected)
         return cls(mechanism, limits, circles, circles.cone())
 
     def layers(self, number: int) -> Floats:
@@ -59,7 +73,13 @@ class Region:
         """Return the limit, or limits, met at a pose on the boundary."""
         inside = margins(self.mechanism, Pose(z, azimuth, tilt), self.limits)
         met = np.unique(np.nonzero(np.abs(inside) < 1e-8)[1])
-        return " and ".join(CONSTRAINTS[kind] for kind in met) or "closure of the joints"
+        names = CONSTRAINTS if self.plain else OF_CHAINS
+        return " and ".join(names[kind] for kind in met) or "closure of the joints"
+
+    @property
+    def plain(self) -> bool:
+        """Whether the limits are those of Eq. (25), of R-P-S limbs."""
+        return self.mechanism.simple and not self.mechanism.limited
 
 
 @dataclass(frozen=True)
@@ -196,13 +216,16 @@ class WorkspaceMap(Result):
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a mode and pose: z, azimuth, tilt, whether it is at the rim, frequency."""
-        name, grid = label(self.model), self.grid
+        name, grid, limits = label(self.model), self.grid, self.region.limits
+        more = {} if limits.x is None else {"x_m": limits.x, "y_m": limits.y}
+        more |= {"torsion_rad": limits.torsion} if limits.torsion else {}
         where = np.argwhere(np.isfinite(self.frequencies[..., 0])).tolist()
         for mode in self.modes:
             for i, k, j in where:
                 yield {
                     "model": name, "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
-                    "tilt_rad": grid.tilt[i, j], "rim": bool(j == grid.rim[i]), "mode": mode,
+                    "tilt_rad": grid.tilt[i, j], **more, "rim": bool(j == grid.rim[i]),
+                    "mode": mode,
                     "frequency_hz": self.frequencies[i, k, j, mode - 1],
                 }  # fmt: skip
 
@@ -235,7 +258,7 @@ class WorkspaceMap(Result):
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row a pose and mode for the history: a level platform once a layer."""
-        poses = self.grid.pose(*np.nonzero(self.grid.wanted))
+        poses = self.region.limits.held(self.grid.pose(*np.nonzero(self.grid.wanted)))
         return self.answers.rows(self.model, self.region.mechanism, poses)
 
 
@@ -250,12 +273,13 @@ def workspace_map(
     wanted = grid.wanted
     where = np.nonzero(wanted)
     frequencies = np.full((*wanted.shape, count), np.nan)
-    answers = solve(model, region.mechanism, grid.pose(*where), count, bench)
+    held = region.limits.held
+    answers = solve(model, region.mechanism, held(grid.pose(*where)), count, bench)
     frequencies[where] = answers.frequencies
     frequencies[:, 1:, 0] = frequencies[:, :1, 0]
     layers = np.arange(len(grid.z))
     turned = Pose(grid.z, grid.azimuth[1] + np.pi, -grid.tilt[layers, grid.rim])
-    again = solve(model, region.mechanism, turned, count, bench).frequencies
+    again = solve(model, region.mechanism, held(turned), count, bench).frequencies
     return WorkspaceMap(region, grid, model, frequencies, answers, again)
 
 
@@ -292,6 +316,6 @@ def _failed(model: Model, poses: Pose, count: int, why: str) -> Answers:
 
 
 def named(pose: Pose) -> str:
-    """Return a pose in words."""
+    """Return a pose in words, to a tenth of a millimetre."""
     azimuth, tilt = np.degrees([pose.azimuth, pose.tilt])
     return f"z = {1000 * pose.z:.1f} mm, azimuth {azimuth:.2f} deg, tilt {tilt:.2f} deg"

@@ -38,6 +38,7 @@ from harness.text import request
 from reference_models import ModelError, Named
 
 CONTINUUM = Named("timoshenko", None)
+MECHANISMS = Path(__file__).parents[4] / "results/published/mechanisms.toml"
 
 
 @pytest.fixture(scope="module")
@@ -357,3 +358,34 @@ def test_the_main_job_maps_the_richest_theory() -> None:
     cases = tuple(PRESETS[name] for name in ("case1", "case2"))
     ((stem, one),) = workspace.jobs(Plan(cases, Named("euler-bernoulli", 3), ())).items()
     assert (stem, one.cases, one.theory) == ("workspace", cases[:1], CONTINUUM)
+
+
+def test_limbs_of_any_chain_are_mapped_within_their_own_limits(bench: Bench) -> None:
+    """Pose by pose, the same frequencies; the strokes end the map, and no option beside them."""
+    texts = {"case_file": str(MECHANISMS), "cases": "rps-real", "model": "euler-bernoulli@1"}
+    found = workspace.run(asked(**texts, grid="12x2", layers="450", modes="1"), bench)
+    region, grid = found.map.region, found.map.grid
+    robot = region.mechanism
+    pose = grid.pose(0, 3, grid.rim[0])
+    f = Substructure(1).frequencies(robot, pose, 1)
+    assert found.map.frequencies[0, 3, grid.rim[0]] == pytest.approx(f, rel=1e-12)
+    # A cylinder of 250 mm and a leg of 100 to 400 mm between radii of 300 and 200 mm.
+    ends = [np.sqrt(length**2 - 0.1**2) for length in (0.35, 0.65)]
+    assert region.circles.z[[0, -1]] == pytest.approx(ends, abs=1e-9)
+    (notes,) = [t.notes[0] for t in found.tables().values() if t.title.startswith("Regular")]
+    assert notes == "limits: strokes and joint angles as the mechanism states them"
+    assert "stroke" in region.bound(float(region.circles.z[-1]), 0.0, 0.0)
+    for name in ("length_max_mm", "spherical_max_deg"):
+        with pytest.raises(InputError, match=f"^{name}.*none beside the limits that the mechanism"):
+            workspace.run(asked(**texts, **{name: "50"}), bench)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [("three-upu", "limbs whose platform tilts any way"), ("tricept", "joints at the platform")],
+)
+def test_a_platform_that_does_not_tilt_freely_has_no_such_map(
+    name: str, said: str, bench: Bench
+) -> None:
+    with pytest.raises(InputError, match=said):
+        workspace.run(asked(case_file=str(MECHANISMS), cases=name), bench)
