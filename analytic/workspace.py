@@ -227,7 +227,8 @@ def heights(mechanism: Mechanism, limits: Limits, near: float | None = None) -> 
     """Return the lowest and highest z of the level platform above the base, to 1e-12 m.
 
     Of several stretches, the lowest; of limbs other than R-P-S, above the base or below it, the one
-    next to `near` [m], or else the longest, above it if there is one. Raises `InputError` where there is none.
+    next to `near` [m], or else the longest, above it if there is one. Raises `InputError` where
+    there is none.
     """
     anywhere = mechanism.limited or not mechanism.simple
     reach = np.abs(mechanism.platform_points).sum(axis=1).max() + _longest(mechanism, limits, near)
