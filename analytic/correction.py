@@ -96,7 +96,7 @@ def _steps(
         value = value + change / (1 - slower)
         # What another step would still change: by the slope, and by what the modes mix with.
         left = np.minimum(unsure, 1) * np.abs(change)
-        left += SAFETY * np.einsum("ncj,ncj->nc", square, np.abs(gap)) * (norm - 1) ** step
+        left += SAFETY * np.einsum("ncj,ncj->nc", square, np.abs(gap)) * (norm - 1)
         settled = ((left < problem.converged * value).all(axis=1)) & (norm.max(axis=1) < 1.01)
         if settled.all():
             break

@@ -297,7 +297,7 @@ def solve_poses(
                     slower = secant if abs(secant) < 0.5 else 0.0
                 last, answered = value, answer
                 value += change / (1.0 - slower)
-                left = min(unsure, 1.0) * abs(change) + safety * mixed * (norm - 1.0) ** step
+                left = min(unsure, 1.0) * abs(change) + safety * mixed * (norm - 1.0)
                 good = left < tolerance * value and norm < 1.01
                 if good:
                     break

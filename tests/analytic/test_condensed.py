@@ -94,6 +94,16 @@ def test_symmetric_poses_in_a_batch(robot, elements):
             check(robot, poses, elements, beam, shear, count)
 
 
+def test_all_but_symmetric_poses(robot):
+    """Modes that all but repeat mix at will; what else they mix with must not be lost by it."""
+    z, tilt = np.linspace(0.35, 0.7, 60), 10.0 ** np.linspace(-15, -11, 60)
+    poses = Pose(z, np.linspace(-3, 3, 60), tilt)
+    expected = [Continuum().brackets(robot, Pose(height)).mean(axis=1) for height in z]
+    single = [condensed_frequencies(robot, pose) for pose in poses]
+    for found in (np.array(single), condensed_frequencies(robot, poses)):
+        np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
 def test_modes_next_to_poles(robot, workspace_poses):
     """A heavy platform leaves the limbs' modes at their fixed-tip frequencies."""
     for mass in (1e3, 1e5, 1e7):
