@@ -152,7 +152,7 @@ class Limb:
 
     def _of_rps(self) -> tuple[Vector, Rod]:
         if not self.simple:
-            raise InputError("limb", self.described, "an ideal R-rod-S limb for this model")
+            raise InputError("limb", self.described, "an ideal R-rod-S limb of one solid round rod")
         first, rod, _ = self.chain
         assert isinstance(first, Joint)
         assert isinstance(rod, Rod)

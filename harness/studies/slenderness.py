@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Rod, limbs_at
+from analytic import InputError, Mechanism, Rod, Section, limbs_at
+from analytic.mechanism import Item
 from harness.bench import Bench, Study
 from harness.cases import Case
 from harness.causes import THEORIES, exact
@@ -133,13 +134,26 @@ class Slenderness(Result):
 
 
 def with_rods(case: Case, ratio: float) -> Case:
-    """Return `case` with every rod's diameter `ratio` times the mean limb length, and named so."""
+    """Return `case` with every rod's diameter `ratio` times the mean limb length, and named so.
+
+    Bores grow in proportion. Raises `InputError` for a rod that is not round.
+    """
     diameter = ratio * float(limbs_at(case.mechanism, case.pose).lengths.mean())
     limbs = tuple(
-        limb.with_rod(Rod.round(limb.rod.material, diameter)) for limb in case.mechanism.limbs
+        replace(limb, chain=tuple(_thick(item, diameter) for item in limb.chain))
+        for limb in case.mechanism.limbs
     )
     mechanism = Mechanism(limbs, case.mechanism.platform)
     return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=mechanism)
+
+
+def _thick(item: Item, diameter: float) -> Item:
+    if not isinstance(item, Rod):
+        return item
+    own = item.section.diameter
+    if own is None:
+        raise InputError("cases", "a rod that is not round", "round rods to make as thick as d/L")
+    return replace(item, section=Section.round(diameter, diameter * item.section.bore / own))
 
 
 def slenderness(

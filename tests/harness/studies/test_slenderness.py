@@ -1,12 +1,14 @@
 """Stout rods are where beam theory fails, and by the law that it should."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic import Mechanism, Platform, limbs_at
 from harness.bench import Bench
+from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.studies.slenderness import RATIOS, slenderness, with_rods
 from reference_models import Named
@@ -23,6 +25,20 @@ def test_rods_have_the_ratio_asked_for(name: str, ratio: float) -> None:
     np.testing.assert_allclose(diameters, ratio * length)
     assert case.mechanism.platform == PRESETS[name].mechanism.platform
     assert case.name == f"{name} d/L={ratio}"
+
+
+def test_rods_of_any_chain_keep_their_bores_in_proportion() -> None:
+    """Both rods of a limb, tubes too; joints, drives and lengths stay."""
+    file = Path(__file__).parents[3] / "results/published/mechanisms.toml"
+    before = load_cases(file)["rps-real"]
+    case = with_rods(before, 0.1)
+    length = limbs_at(case.mechanism, case.pose).lengths.mean()
+    for old, new in zip(before.mechanism.limbs, case.mechanism.limbs, strict=True):
+        for first, second in zip(old.rods, new.rods, strict=True):
+            assert second.section.diameter == pytest.approx(0.1 * length)
+            ratios = [one.section.bore / (one.section.diameter or 1) for one in (first, second)]
+            assert ratios[0] == pytest.approx(ratios[1]) and first.length == second.length
+        assert old.chain[0] == new.chain[0] and old.chain[2] == new.chain[2]
 
 
 def test_the_error_of_euler_bernoulli_grows_as_the_square() -> None:
