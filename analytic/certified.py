@@ -1,5 +1,7 @@
 """Frequencies between two counts: fewer than k modes below one end, at least k below the other."""
 
+from typing import Any, Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,14 @@ STEPS = 12
 """Ratio of omega^2 between the first guesses is 10^(1 / STEPS), to begin with."""
 BATCH = 2000
 """Forms made at once, so that thousands of modes need no more memory than a few."""
+
+
+class Countable(Protocol):
+    """A problem whose modes are counted: `Characteristic`, or `exact_chain.Exact`."""
+
+    def form(self, omega2: Floats) -> Any:
+        """Return the problem at each of `omega2` (q,), with what a `Form` has."""
+        ...
 
 
 def brackets(problem: Characteristic, count: int) -> tuple[Floats, NDArray[np.int64]]:
@@ -57,9 +67,9 @@ def coupled(problem: Characteristic, count: int) -> Floats:
     found[:free, 1] = _rest(problem, free, float(low[free:].min(initial=high.max())))
     rank = np.arange(free, count)
     for close in CLOSE:
-        roots = _roots(problem, rank, low[free:], high[free:], guess[free:], close)
+        x = roots(problem, rank, low[free:], high[free:], guess[free:], close)
         try:
-            found[free:] = certified(problem, rank, roots)
+            found[free:] = certified(problem, rank, x)
             break
         except NotCertifiedError:
             if close == CLOSE[-1]:
@@ -131,8 +141,8 @@ def _rest(problem: Characteristic, free: int, below: float) -> float:
     return float(grid[good][0])
 
 
-def _roots(
-    problem: Characteristic,
+def roots(
+    problem: Countable,
     rank: NDArray[np.intp],
     low: Floats,
     high: Floats,
@@ -173,7 +183,7 @@ def _roots(
     return x
 
 
-def certified(problem: Characteristic, rank: NDArray[np.intp], roots: Floats) -> Floats:
+def certified(problem: Countable, rank: NDArray[np.intp], roots: Floats) -> Floats:
     """Return brackets (m, 2) about `roots` (m,) with at most rank modes below, more than it above.
 
     As narrow as WIDTH, or as rounding allows; a root off centre is moved by the secant. Raises

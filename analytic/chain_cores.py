@@ -63,7 +63,8 @@ def cores(
 ) -> tuple[list[Joined], Beside] | None:
     """Return the cores of all limbs, and what is beside them, `platform_mass` (N, 6, 6).
 
-    None where a body that turns against its limb stands behind a rod: no table holds it.
+    None where a body that turns against its limb stands behind a rod, or a limb has no rod: no
+    table holds it.
     """
     known = [_sorted(group) for group in groups]
     sorts = [one for one in known if one is not None]
@@ -85,6 +86,8 @@ def cores(
 def _sorted(group: Placed) -> _Sorted | None:
     alike = group.alike
     begin = 0
+    if not alike.rods:
+        return None
     for k, kind in enumerate(alike.kind):
         if kind == ("body", "base") or kind == ("body", "global"):
             if any(name == "rod" for name, *_ in alike.kind[:k]):

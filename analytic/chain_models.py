@@ -7,7 +7,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from analytic.chain_shapes import centre_lines
+from analytic.chain_multipliers import free_bodies, lowest
+from analytic.chain_shapes import centre_lines, node_motions
 from analytic.eigen import hertz
 from analytic.exact_chain import Exact, exact
 from analytic.lanczos import lowest_sparse
@@ -85,6 +86,40 @@ def _middles(problem: Exact, count: int) -> Floats:
     return np.sort(problem.brackets(count).mean(axis=1))
 
 
+def multiplier_modes(
+    mechanism: Mechanism, pose: Pose, theory: Theory, elements: int, solver: str, count: int
+) -> Modes:
+    """Return the `count` lowest modes of free bodies and constraints, see `Multipliers`.
+
+    Raises `InputError` as `element_modes` does, or for more coordinates than dense matrices take.
+    """
+    begin = time.perf_counter()
+    problem = exact(mechanism, one_pose(mechanism, pose), theory)
+    net = problem.split(elements)
+    count = check_count(count, net.size - problem.spins)
+    free = free_bodies(problem, elements)
+    built = time.perf_counter()
+    still = problem.spins
+    shift = 1e-3 * problem.first if still else 0.0
+    values, u, unknowns = lowest(free, solver, count + still, problem.unit, shift)
+    values, u = values[still:], u[:, still:]
+    inner = 6 * np.arange(elements + 1)[:, None] + np.arange(6)
+    nodes = [u[free.nodes[p.group, p.item][:, None, None] + inner] for p in net.rods]
+    return Modes(
+        frequencies=hertz(values),
+        platform=u[-6:].T,
+        limbs=centre_lines(problem, net, nodes, u[-6:], np.zeros(count)),
+        theory=theory.labels(mechanism),
+        model="multipliers",
+        version=f"rps-bench, {solver}",
+        elements=elements,
+        dofs=unknowns,
+        residual=None,
+        build_seconds=built - begin,
+        solve_seconds=time.perf_counter() - built,
+    )
+
+
 def _modes(
     problem: Exact,
     net: Network,
@@ -101,7 +136,7 @@ def _modes(
     return Modes(
         frequencies=hertz(omega2),
         platform=U[-6:].T,
-        limbs=centre_lines(problem, net, U, bending),
+        limbs=centre_lines(problem, net, node_motions(net, U), U[-6:], bending),
         theory=theory.labels(mechanism),
         model=model,
         version=version,

@@ -13,17 +13,17 @@ that ratio: rounding of stiff motions, far from zero, is not to blur soft ones.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from analytic.certified import CLOSE, certified
-from analytic.certified import _roots as roots
+from analytic.certified import CLOSE, certified, roots
 from analytic.errors import NotCertifiedError
 from analytic.mechanism import Mechanism, Rod
 from analytic.mobility import check_held, spins
+from analytic.modes import check_count
 from analytic.network import Network, network
 from analytic.placed import Placed, place, position
 from analytic.pose import Pose
@@ -175,6 +175,8 @@ class Exact:
             ((np.pi / self.lengths(*key)) ** 4 * of.EI.min(axis=1) / of.mass).min()
             for key, of in self.of.items()
         ]
+        if not found:  # no rods: of the platform on its springs
+            return float(self.motions(self.split(1))[0][0] ** 2)
         return float(min(found))
 
     def form(self, omega2: Floats) -> ChainForm:
@@ -207,12 +209,12 @@ class Exact:
         """
         upper = self.upper(count)
         upper = self.upper(count, self.cut(float(upper[-1])))
-        rank, problem = np.arange(count), cast(Any, self)
+        rank = np.arange(count)
         high = upper * (1 + ABOVE)
         for close in CLOSE:
-            x = roots(problem, rank, np.zeros(count), high, upper, close)
+            x = roots(self, rank, np.zeros(count), high, upper, close)
             try:
-                return certified(problem, rank, self._polished(rank, x))
+                return certified(self, rank, self._polished(rank, x))
             except NotCertifiedError:
                 if close == CLOSE[-1]:
                     raise
@@ -233,6 +235,8 @@ class Exact:
         """Return upper bounds of the lowest `count` omega^2, from as many elements as it takes."""
         s = 1
         net = net or self.split(s)
+        if not net.rods:
+            check_count(count, net.size)
         while net.size - self.spins < count:
             s *= 2
             net = self.split(s)
@@ -272,7 +276,9 @@ def exact(mechanism: Mechanism, pose: Pose, theory: Theory) -> Exact:
         for k in group.alike.rods
     }
     mass = turn @ mechanism.platform.mass_matrix @ turn.T
-    return Exact(tuple(groups), of, mass, unit, spins(groups, o, unit))
+    # Limbs without rods weigh nothing: their own motions are none.
+    spinning = spins([group for group in groups if group.alike.rods], o, unit)
+    return Exact(tuple(groups), of, mass, unit, spinning)
 
 
 def _rods(group: Placed, item: int) -> list[Rod]:

@@ -12,6 +12,7 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import assembly
+from analytic.chain_models import multiplier_modes
 from analytic.chains import Chains, chains
 from analytic.continuum import Continuum
 from analytic.eigen import hertz, largest, lowest_modes
@@ -20,7 +21,7 @@ from analytic.lanczos import factor, is_sparse, lowest
 from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes, check_count
-from analytic.pose import Pose
+from analytic.pose import Pose, one_pose
 from analytic.substructure import DENSE, few, limbs_at_one, solved
 from analytic.theory import Theory
 
@@ -41,6 +42,8 @@ class Multipliers:
     - "saddle-point": ([[K, C^T], [C, 0]] - omega^2 [[M, 0], [0, 0]]) [u; mu] = 0.
 
     Few coordinates are solved for by LAPACK, many by sparse elimination and Lanczos.
+
+    Limbs of any chain are taken too (see `chain_multipliers`), up to 3,000 coordinates.
 
     `base="free"` leaves out the revolute joints. The paper says of its ref. 15 that it "only
     considers the deformation coordination between the moving platform and limbs, and the boundary
@@ -103,6 +106,11 @@ class Multipliers:
         "saddle-point". Raises `InputError` for a pose out of reach, or more modes than N - c.
         """
         begin = time.perf_counter()
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            if self.base != "revolute":
+                raise InputError("base", self.base, "'revolute' for limbs of any chain")
+            theory, s = self.theory, self.elements
+            return multiplier_modes(mechanism, pose, theory, s, self.solver, count)
         parts = self._chains(mechanism, pose)
         C = self._joints(parts)
         dofs = C.shape[1] - C.shape[0]

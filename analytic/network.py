@@ -190,7 +190,7 @@ def network(groups: Sequence[Placed], count: Any, platform_mass: Floats, unit: f
 
     `count(group, item)` says into how many pieces a rod is cut; `platform_mass` M_p (6, 6) in
     global axes; `unit` a length [m]. Raises `InputError` where freedoms depend on each other with
-    nothing between them, and for limbs without any rod.
+    nothing between them, and for limbs that do not give way.
     """
     rods: list[Piece] = []
     constant: list[Block] = []
@@ -223,11 +223,8 @@ class Walk:
         self.ports: dict[tuple[int, int], int] = {}
         kinds = [kind[0] for kind in self.alike.kind]
         if "rod" not in kinds:
-            raise InputError(
-                "mechanism",
-                f"limb {int(self.alike.limbs[0]) + 1} without a rod",
-                "at least one elastic rod in every limb",
-            )
+            self._strut(kinds)
+            return
         last = max(self.alike.rods)
         held: Map | None = None
         at, pending = 0, []
@@ -247,6 +244,49 @@ class Walk:
                 end = self._free() if k < last else self._tail(last, kinds)
                 self.rods.append(Piece(group, k, s, held, end, start))
                 held, at = end, k + 1
+
+    def _strut(self, kinds: list[str]) -> None:
+        """Add limbs without rods, which weigh nothing: springs between the base and the platform.
+
+        The limb's free twists F let the platform go; across them, W^T F = 0, its springs give way
+        by W^T E k^-1 E^T W, the inverse of a stiffness. Every joint's springs have a part of it.
+        """
+        where = self.placed.starts[:, -1]
+        E, stiffness, items = [], [], []
+        for k, kind in enumerate(kinds):
+            if kind == "body":
+                raise self._refused("a body and no rod", "an elastic rod in a limb with a body")
+            if kind == "joint":
+                twists = Map((), self.placed.twists(k)).carried(where - self.placed.starts[:, k])
+                E.append(twists.matrix)
+                stiffness.append(self.alike.freedoms[k].stiffness)
+                items += [k] * twists.matrix.shape[-1]
+        scale = np.array([1.0] * 3 + [1 / self.unit] * 3)
+        T = np.concatenate(E, axis=-1) / scale[:, None]
+        own = np.concatenate(stiffness, axis=1)
+        sprung = (own > 0).any(axis=0)
+        J = Map(PLATFORM, np.broadcast_to(np.eye(6), (self.n, 6, 6))).carried(self.placed.arms)
+        stretch = np.zeros((self.n, int(sprung.sum()), 6))
+        for i in range(self.n):
+            U, sigma, _ = np.linalg.svd(T[i][:, ~sprung])
+            W = U[:, int((sigma > DEPENDENT).sum()) :]
+            held = W.T @ T[i][:, sprung]
+            if np.linalg.matrix_rank(held, tol=DEPENDENT) < W.shape[1]:
+                raise self._refused("no rod that is rigid in some direction", "a spring in it")
+            soft = held / own[i, sprung]
+            force = np.linalg.solve(soft @ held.T, W.T @ (J.matrix[i] / scale[:, None]))
+            stretch[i] = soft.T @ force
+        of = np.array(items)[sprung]
+        for k in dict.fromkeys(of.tolist()):
+            r, mine = stretch[:, of == k], own[:, sprung][:, of == k]
+            block = np.zeros((2, self.n, 6, 6))
+            block[0] = r.swapaxes(1, 2) @ (mine[..., None] * r)
+            self.joints[len(self.constant)] = k
+            self.constant.append((self.group, PLATFORM, block))
+
+    def _refused(self, what: str, expected: str) -> InputError:
+        limb = int(self.alike.limbs[0]) + 1
+        return InputError("mechanism", f"limb {limb} with {what}", expected)
 
     def _free(self) -> Map:
         columns = self._new(6)

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic import chain_sensitivity
 from analytic.certified import brackets
+from analytic.chain_sensitivity import chain_sensitivities
 from analytic.continuum import repeated
 from analytic.dynamic_stiffness import limb_stiffness
 from analytic.errors import InputError
@@ -55,6 +57,8 @@ def frequency_sensitivities(
     "base_radius", "platform_radius", which move B_i and A_i away from the z axis, of all limbs
     together or, as "diameter[0]", of one; "mass" and "inertia_xx" ... "inertia_yz" of the platform
     (an off-diagonal moment means both its entries), which keep their values when all else moves.
+    For limbs of any chain also "torsion", "x" and "y" of a pose that says them, and "stiffness" of
+    all springs; there "diameter" is the outer one of round rods (see `chain_sensitivity`).
     `elements`, `beam`, `shear` as in `condensed_frequencies`. Derivatives of repeated modes ascend
     in each column: modes that follow one parameter need not follow another. Raises `InputError`
     for an unknown parameter, one that the joints do not let change, a pose out of reach, or a
@@ -67,10 +71,13 @@ def frequency_sensitivities(
     one_pose(mechanism, pose)
     if isinstance(parameters, str) or not isinstance(parameters, Sequence):
         raise InputError("parameters", parameters, "a list of names of parameters")
+    if not mechanism.simple:
+        named = [_parsed(name, n, chains=True) for name in parameters]
+        return chain_sensitivities(mechanism, pose, named, elements, theory, count)
     moves = [_moved(mechanism, pose, theory, name) for name in parameters]
     problem = characteristic(mechanism, pose, theory, elements)
     # More modes than asked for, so that a group of repeated ones is not cut at the end.
-    bounds, twisting = _whole_groups(problem, count, available, 5 * n)
+    bounds, twisting = _posesgroups(problem, count, available, 5 * n)
     if bounds[0, 0] == 0:
         raise InputError("mechanism", "one that moves freely", "frequencies above zero")
     eigenvalues = bounds.mean(axis=1)
@@ -94,7 +101,7 @@ def frequency_sensitivities(
     return np.asarray((result / (4 * np.pi * np.sqrt(eigenvalues[:, None])))[:count])
 
 
-def _whole_groups(
+def _posesgroups(
     problem: Characteristic, count: int, available: int, spare: int
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     for more in (1, spare):
@@ -151,7 +158,8 @@ class _Moved:
 
 
 def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Moved:
-    base, limbs = _parsed(name, len(mechanism.limbs))
+    base, one = _parsed(name, len(mechanism.limbs))
+    limbs: Any = ... if one is None else one
     size = STEP
 
     def step(parameter: str, value: Any, chosen: Any = ...) -> Array:
@@ -200,14 +208,17 @@ def _moved(mechanism: Mechanism, pose: Pose, theory: Theory, name: str) -> _Move
     return _Moved(sections, limbs.lengths, limbs.directions, mass, size)
 
 
-def _parsed(name: str, n: int) -> tuple[str, Any]:
+def _parsed(name: str, n: int, *, chains: bool = False) -> tuple[str, int | None]:
+    """Return a parameter's name and its limb, None of all; `chains`: with those of any chain."""
+    poses = chain_sensitivity.POSE if chains else POSE
+    of_limbs = chain_sensitivity.LIMB if chains else LIMB
     match = re.fullmatch(r"([a-z_]+)(?:\[(\d+)\])?", name) if isinstance(name, str) else None
     base = match[1] if match else ""
-    if match and match[2] is None and base in (*POSE, *LIMB, *PLATFORM):
-        return base, ...
-    if match and match[2] is not None and base in LIMB and int(match[2]) < n:
+    if match and match[2] is None and base in (*poses, *of_limbs, *PLATFORM):
+        return base, None
+    if match and match[2] is not None and base in of_limbs and int(match[2]) < n:
         return base, int(match[2])
-    known = ", ".join((*POSE, *LIMB, *PLATFORM))
+    known = ", ".join((*poses, *of_limbs, *PLATFORM))
     raise InputError("parameters", name, f"one of {known}, or of one limb as diameter[0]")
 
 

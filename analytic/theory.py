@@ -66,7 +66,7 @@ class Theory:
     def labels(self, mechanism: Mechanism) -> str:
         """Return the theory's name for the rods of `mechanism`, which may be of many materials."""
         materials = {rod.material for limb in mechanism.limbs for rod in limb.rods}
-        return "; ".join(sorted(map(self.label, materials)))
+        return "; ".join(sorted(map(self.label, materials))) or "rigid limbs on springs"
 
     def label(self, material: Material) -> str:
         """Return the theory's name for a table, with kappa where it matters."""

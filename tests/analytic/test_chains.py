@@ -17,13 +17,14 @@ from analytic import (
     Link,
     Material,
     Mechanism,
+    Multipliers,
     Platform,
     Pose,
     Rod,
     Section,
     Substructure,
 )
-from analytic.chain_models import element_modes, exact_modes
+from analytic.chain_models import element_modes, exact_modes, multiplier_modes
 from analytic.exact_chain import exact
 from analytic.rod_elements import element_matrices, properties, shear_coefficients
 from analytic.rod_exact import dynamic_stiffness, pieces
@@ -83,6 +84,28 @@ def test_elements_converge_to_the_model_without(name: str) -> None:
     case = CASES[name]
     found = Continuum("timoshenko").modes(case.mechanism, case.pose, 8).frequencies
     assert richardson(case.mechanism, case.pose, "timoshenko", 8) == pytest.approx(found, rel=1e-6)
+
+
+@pytest.mark.parametrize("solver", ["null-space", "saddle-point"])
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_free_bodies_with_multipliers_agree(name: str, solver: str) -> None:
+    """All motions and constraints of joints give what independent coordinates give."""
+    mechanism, pose = CASES[name].mechanism, CASES[name].pose
+    mine = element_modes(mechanism, pose, Theory("timoshenko"), 2, 8)
+    its = multiplier_modes(mechanism, pose, Theory("timoshenko"), 2, solver, 8)
+    assert its.frequencies == pytest.approx(mine.frequencies, rel=1e-9)
+    gaps = np.diff(mine.frequencies) / mine.frequencies[1:]
+    if gaps.min() > 1e-4:  # shapes of repeated modes are a choice
+        size = np.abs(mine.limbs).max()
+        assert np.abs(its.limbs) == pytest.approx(np.abs(mine.limbs), rel=0, abs=1e-6 * size)
+
+
+def test_multipliers_of_chains_say_what_they_cannot_take() -> None:
+    case = CASES["hexapod"]
+    with pytest.raises(InputError, match="revolute"):
+        Multipliers(2, base="free").modes(case.mechanism, case.pose)
+    with pytest.raises(InputError, match="3000"):
+        Multipliers(100).modes(case.mechanism, case.pose)
 
 
 def test_the_papers_limbs_are_a_case_of_chains() -> None:
@@ -256,6 +279,8 @@ LONG = Rod(STEEL, Section.round(0.05), 0.9)
 U, R, S = Joint.universal((0, 1, 0)), Joint.revolute((0, 1, 0)), Joint.spherical()
 AT = Pose.at((0, 0, 0.5))
 ALONG = Joint.universal((-0.1, 0, 0.5))
+SPRING = Joint.prismatic(stiffness=1e8)
+BODY = Body(1.0, ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 REFUSED = {
     "movable in 3": (ring(U, ROD, S), AT, "3 ways"),
     "movable by a free drive": (
@@ -280,7 +305,11 @@ REFUSED = {
         Pose.at((0, 0, 0.5), Pose(0, 0.4, 0.3).rotation), "in line",
     ),
     "x and y unsaid": (ring(U, ROD, S, copies=6), Pose(0.5), "x and y"),
-    "no rod": (ring(R, Link(), Joint.prismatic(stiffness=1e8), S), Pose(0.5), "rod"),
+    "rigid limb": (ring(R, Link(), S), Pose(0.5), "limb 1 with no rod that is rigid"),
+    "body on a rigid limb": (
+        Mechanism((limb_of(U, Link(), BODY, SPRING, S), *ring(R, ROD, S).limbs), PLATE),
+        Pose(0.5), "limb 1 with a body",
+    ),
 }  # fmt: skip
 
 
@@ -292,6 +321,43 @@ def test_what_cannot_be_is_refused_in_a_sentence(name: str) -> None:
             pose()  # type: ignore[operator]
         else:
             exact(mechanism, pose, Theory()).split(1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("first", [U, S])
+def test_rigid_struts_are_springs_of_the_closed_form(first: Joint) -> None:
+    """K = k sum_i v v^T with v = (s, a x s): massless struts of one stiffness along them."""
+    k, height = 20e6, 0.0771
+    limbs = []
+    for i in range(6):
+        base, point = (
+            (r * math.cos(angle), r * math.sin(angle), 0.0)
+            for r, angle in (
+                (0.15, math.radians(120 * (i // 2) + 15 * (-1) ** i)),
+                (0.10, math.radians(120 * (i // 2) + 45 * (-1) ** i)),
+            )
+        )
+        limbs.append(Limb(base, point, (first, Link(), Joint.prismatic(stiffness=k), S)))
+    plate = Platform.diagonal(0.9, (0.0084, 0.0084, 0.0168))
+    robot, pose = Mechanism(tuple(limbs), plate), Pose.at((0, 0, height))
+    K = np.zeros((6, 6))
+    for limb in limbs:
+        a = np.array(limb.platform_point)
+        along = a + np.array([0, 0, height]) - np.array(limb.base)
+        along = along / np.linalg.norm(along)
+        v = np.concatenate([along, np.cross(a, along)])
+        K += k * np.outer(v, v)
+    squares = np.linalg.eigvals(np.linalg.solve(plate.mass_matrix, K))
+    expected = np.sqrt(np.sort(squares.real)) / (2 * math.pi)
+    for model in (Substructure(2), Continuum("timoshenko"), Multipliers(2)):
+        found = model.modes(robot, pose, 6)
+        assert found.frequencies == pytest.approx(expected, rel=1e-9)
+        # A strut turns about its start as its end moves.
+        tips = found.limbs[:, :, -1]
+        assert found.limbs[:, :, 5] == pytest.approx(tips / 2, rel=1e-9)
+    assert stiffness(robot, pose).matrix == pytest.approx(K, rel=1e-9, abs=1e-6 * k)
+    assert stiffness(robot, pose).shares.sum(axis=0) == pytest.approx(np.ones(6))
+    with pytest.raises(InputError, match="at most 6"):
+        Continuum().modes(robot, pose, 7)
 
 
 def test_timoshenko_needs_shear_coefficients_of_a_general_section() -> None:
