@@ -261,6 +261,8 @@ class Walk:
                 E.append(twists.matrix)
                 stiffness.append(self.alike.freedoms[k].stiffness)
                 items += [k] * twists.matrix.shape[-1]
+        if not E:
+            raise self._refused("no rod that is rigid in every direction", "a spring in it")
         scale = np.array([1.0] * 3 + [1 / self.unit] * 3)
         T = np.concatenate(E, axis=-1) / scale[:, None]
         own = np.concatenate(stiffness, axis=1)

@@ -323,43 +323,6 @@ def test_what_cannot_be_is_refused_in_a_sentence(name: str) -> None:
             exact(mechanism, pose, Theory()).split(1)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("first", [U, S])
-def test_rigid_struts_are_springs_of_the_closed_form(first: Joint) -> None:
-    """K = k sum_i v v^T with v = (s, a x s): massless struts of one stiffness along them."""
-    k, height = 20e6, 0.0771
-    limbs = []
-    for i in range(6):
-        base, point = (
-            (r * math.cos(angle), r * math.sin(angle), 0.0)
-            for r, angle in (
-                (0.15, math.radians(120 * (i // 2) + 15 * (-1) ** i)),
-                (0.10, math.radians(120 * (i // 2) + 45 * (-1) ** i)),
-            )
-        )
-        limbs.append(Limb(base, point, (first, Link(), Joint.prismatic(stiffness=k), S)))
-    plate = Platform.diagonal(0.9, (0.0084, 0.0084, 0.0168))
-    robot, pose = Mechanism(tuple(limbs), plate), Pose.at((0, 0, height))
-    K = np.zeros((6, 6))
-    for limb in limbs:
-        a = np.array(limb.platform_point)
-        along = a + np.array([0, 0, height]) - np.array(limb.base)
-        along = along / np.linalg.norm(along)
-        v = np.concatenate([along, np.cross(a, along)])
-        K += k * np.outer(v, v)
-    squares = np.linalg.eigvals(np.linalg.solve(plate.mass_matrix, K))
-    expected = np.sqrt(np.sort(squares.real)) / (2 * math.pi)
-    for model in (Substructure(2), Continuum("timoshenko"), Multipliers(2)):
-        found = model.modes(robot, pose, 6)
-        assert found.frequencies == pytest.approx(expected, rel=1e-9)
-        # A strut turns about its start as its end moves.
-        tips = found.limbs[:, :, -1]
-        assert found.limbs[:, :, 5] == pytest.approx(tips / 2, rel=1e-9)
-    assert stiffness(robot, pose).matrix == pytest.approx(K, rel=1e-9, abs=1e-6 * k)
-    assert stiffness(robot, pose).shares.sum(axis=0) == pytest.approx(np.ones(6))
-    with pytest.raises(InputError, match="at most 6"):
-        Continuum().modes(robot, pose, 7)
-
-
 def test_timoshenko_needs_shear_coefficients_of_a_general_section() -> None:
     rod = Rod(STEEL, Section(1e-3, (1e-7, 2e-7), 1e-7))
     case = ring(R, rod, S)
