@@ -88,7 +88,7 @@ def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int = MODES
     build = getattr(model, "build", None)
     built = model if build is None or model.info().isolated else build()
     matrices = getattr(built, "matrices", None)
-    if matrices is None:
+    if matrices is None or not mechanism.simple:
         return np.full(count, getattr(built, "info", model.info)().precision)
     assert isinstance(model.elements, int), "matrices are of elements"
     K, M, *constraints = matrices(mechanism, pose)
