@@ -94,6 +94,7 @@ def main() -> None:
     """Run the command line; bad input ends with one sentence and exit status 2."""
     warnings.showwarning = _warn
     _streams()
+    out = sys.stdout
     try:
         with one_thread():
             ended = cli(standalone_mode=False)
@@ -101,6 +102,12 @@ def main() -> None:
     except BrokenPipeError:  # whoever read has enough: everything is written before it is shown
         _hush()
         sys.exit(0)
+    except SystemExit:
+        if sys.stdout is not out:  # click met such a pipe, puts a wrapper there and says 1
+            sys.stdout = out
+            _hush()
+            sys.exit(0)
+        raise
     except (click.exceptions.Abort, KeyboardInterrupt):
         _say("interrupted")
         sys.exit(130)

@@ -14,6 +14,8 @@ from harness.workers import Children, Task
 
 REACH = 10.0
 """Seconds that a scheduler, or its last worker, may be out of reach."""
+BEATS = 20
+"""Workers whose sign of life a scheduler takes in a second: of many each gives fewer."""
 
 _of_this_worker = Children()
 
@@ -45,7 +47,7 @@ class Cluster:
             self._client = _within(
                 2 * REACH, lambda: dask.Client(address, timeout=REACH, set_as_default=False)
             )
-        except (OSError, ValueError, TypeError) as error:
+        except Exception as error:  # whatever answers there may say anything
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
             expected = f"the address of a running Dask scheduler, tcp://HOST:PORT ({why})"
             raise InputError("scheduler", address, expected) from None
@@ -62,19 +64,39 @@ class Cluster:
         except (OSError, RuntimeError, ValueError):
             return 0
 
+    def _silent(self) -> list[float] | None:
+        """Return for how long each worker has not been heard of [s]; None without a scheduler."""
+
+        def there(dask_scheduler: Any = None) -> list[float]:
+            import time
+
+            known = dask_scheduler.workers.values()
+            return [time.time() - worker.last_seen for worker in known]
+
+        try:
+            found: list[float] = _within(REACH, lambda: self._client.run_on_scheduler(there))
+        except Exception:  # whatever it is, that is no answer
+            return None
+        return found
+
     def submit(self, task: Task) -> Any:
         """Return a future of the task's answer, or of a `Failure`."""
         return self._client.submit(_on_worker, task, self._patience, pure=False)
 
     def check(self) -> None:
-        """Raise `InputError` where the scheduler, or every worker, has been gone for `REACH`."""
+        """Raise `InputError` where the scheduler, or every worker, has been gone for `REACH`.
+
+        That is also where they are stopped: the scheduler does not answer, or has heard of no
+        worker for as long.
+        """
         status, now = self._client.status, monotonic()
-        if status == "running" and self._threads():
+        silent = self._silent() if status == "running" else None
+        if silent and min(silent) < max(REACH, len(silent) / BEATS):
             self._gone = None
             return
         self._gone = self._gone or now
         if status == "closed" or now > self._gone + REACH:
-            lost = "every worker" if status == "running" else "its scheduler"
+            lost = "its scheduler" if silent is None else "every worker"
             raise InputError(
                 "scheduler",
                 self._address,

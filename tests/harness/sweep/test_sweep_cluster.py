@@ -1,11 +1,13 @@
 """`rps-bench sweep` on a Dask cluster: what is lost with it; results do not depend on it."""
 
 import json
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import psutil
@@ -147,3 +149,69 @@ def test_the_same_bytes_on_one_core_on_two_and_on_a_cluster(
         sweep("dask", "--scheduler", address)
     assert found["one"] == found["two"]
     assert found["one"] == found["dask"]
+
+
+@contextmanager
+def port(answer: bytes) -> Iterator[str]:
+    """A port of something else: it takes connections, and says `answer` or nothing for ever."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        held: list[socket.socket] = []
+
+        def serve() -> None:
+            with suppress(OSError):
+                while True:
+                    held.append(server.accept()[0])
+                    if answer:
+                        held[-1].sendall(answer)
+
+        Thread(target=serve, daemon=True).start()
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        for one in held:
+            one.close()
+
+
+HTTP = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/html\r\nContent-Length: 0\r\n\r\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("answer", [b"", HTTP], ids=["silent", "http"])
+def test_a_port_that_is_no_scheduler_is_one_sentence(
+    started: Callable[..., subprocess.Popen[str]],
+    ended: Callable[..., tuple[int, str, str]],
+    tmp_path: Path,
+    answer: bytes,
+) -> None:
+    """Within the stated time: a process that still waits is ended by the test."""
+    short = "import harness.sweep.cluster; harness.sweep.cluster.REACH = 1.0"
+    with port(answer) as address:
+        given = ("--poses", "pose:490,0,0", "--models", "rayleigh@1", "--scheduler", address)
+        process = started(*given, "--output", str(tmp_path / "out"), before=short)
+        status, _, err = ended(process)
+    assert status == 2, err
+    assert err.startswith(f"rps-bench: --scheduler = {address!r}: expected the address of a")
+    assert len(err.splitlines()) == 1, err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stopped", ["its scheduler", "every worker"])
+def test_a_cluster_that_is_stopped_loses_no_finished_job(slow_sweep: Any, stopped: str) -> None:
+    """SIGSTOP: the connection stays, and nothing answers."""
+    with cluster(workers=1) as (address, dask):
+        short = "import harness.sweep.cluster; harness.sweep.cluster.REACH = 3.0"
+        process = slow_sweep.started("--scheduler", address, before=short)
+        slow_sweep.wait_for(20)
+        workers = [one for one in dask.children() if "spawn_main" in " ".join(one.cmdline())]
+        held = [dask] if stopped == "its scheduler" else workers
+        assert held
+        for one in held:
+            one.suspend()
+        try:
+            status, _, err = slow_sweep.ended(process)
+        finally:
+            for one in held:
+                one.resume()
+    assert status == 2, err
+    assert err.startswith(f"rps-bench: --scheduler = {address!r}: expected a Dask cluster that ")
+    assert f"({stopped} has gone; finished jobs are kept" in err
+    assert len(err.splitlines()) == 1, err
+    assert 10 <= slow_sweep.kept() < 150

@@ -1,0 +1,141 @@
+"""Every command: no digit of its tables is cut, and an output that takes nothing loses no file."""
+
+import io
+import os
+import sys
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rich.console import Console
+
+from harness.cli.main import HELP, main
+from harness.tables import Number, Table
+
+pytestmark = pytest.mark.slow
+ONE = ("--cases", "case1", "--modes", "1-2", "--references")
+EXACT = (*ONE, "timoshenko@exact")
+WIDTHS = (60, 80, 120)
+WRITES = "--output"
+# What each is asked, and whether it writes files into --output.
+COMMANDS: dict[str, tuple[tuple[str, ...], bool]] = {
+    "table": (EXACT, True),
+    "convergence": ((*EXACT, "--elements", "1,2"), True),
+    "refine": ((*EXACT, "--elements", "1,2,4"), True),
+    "budget": (EXACT, True),
+    "shapes": (EXACT, True),
+    "slenderness": (EXACT, True),
+    "workspace": (("--modes", "1", "--layers", "490", "--grid", "12x2"), True),
+    "claims": (("--only", "name-3-prs"), True),
+    "identify": (("--free", "1", "--starts", "1", "--candidates", "z_mm"), True),
+    "reproduce": ((*EXACT, "--only", "table"), True),
+    "accept": (("--case-file", "one.toml", "--models", "rayleigh", "--reason", "so"),
+               True),
+    "sweep": (("--poses", "pose:490,0,0", "--models", "rayleigh@1"), True),
+    "check": (("--quick", "--models", "rayleigh", "--baseline", "none"), True),
+    "history": ((), False),
+    "dashboard": ((), True),
+    "new": (("case", "mine"), True),
+    "export": (("case1", "--to", "exudyn"), True),
+    "verify": (("rayleigh",), False),
+    "models": ((), False),
+    "cases": ((), False),
+}  # fmt: skip
+
+
+def test_all_of_them_are_here() -> None:
+    assert set(COMMANDS) | {"cost", "work-precision"} == set(HELP), "those two take minutes"
+
+
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch) -> list[Table]:
+    """The tables that a command shows."""
+    tables: list[Table] = []
+    right = Table.terminal
+
+    def terminal(table: Table, *width: Any) -> Any:
+        tables.append(table)
+        return right(table, *width)
+
+    monkeypatch.setattr(Table, "terminal", terminal)
+    return tables
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_whole_digits_and_outputs_that_take_nothing(
+    rps_bench: Callable[..., Any],
+    shown: list[Table],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RPS_BENCH_HISTORY", "past")
+    Path("one.toml").write_text("[cases.one]\nz_mm = 490\nazimuth_deg = 10\ntilt_deg = -12\n")
+    if name in ("dashboard", "history"):
+        assert rps_bench("reproduce", *COMMANDS["reproduce"][0], WRITES, "run").status == 0
+    asked, writes = COMMANDS[name]
+    answer = rps_bench(name, *asked, *_folder(name, "seen", writes))
+    assert "Traceback" not in answer.err and answer.status in (0, 1), answer.err
+    for table in tuple(shown):
+        for width in WIDTHS:
+            _whole(table, width)
+    for how in ("pipe", "full"):
+        Path("one.toml").touch()
+        status, err = _unheard(how, monkeypatch, name, *asked, *_folder(name, how, writes))
+        assert "Traceback" not in err
+        if how == "pipe":
+            assert status in (0, answer.status), err
+        else:
+            assert status == 1 and "cannot show more" in err, err
+        assert not writes or _names(how) == _names("seen")
+    if name in ("table", "check", "sweep", "reproduce"):  # each of the three is a run
+        assert len(list(Path("past").glob("*.parquet"))) == 3
+
+
+def _folder(name: str, folder: str, writes: bool) -> tuple[str, ...]:
+    if name == "dashboard":
+        return (WRITES, f"{folder}/page.html", "--results", "run")
+    if name == "accept":
+        return ("--baseline", folder)
+    return (WRITES, folder) if writes else ()
+
+
+def _names(folder: str) -> set[str]:
+    """The files that a command has written, at least one."""
+    found = {path.name for path in Path(folder).iterdir()}
+    assert found
+    return found
+
+
+def _whole(table: Table, width: int) -> None:
+    """Every number of a table stands in what a terminal of so many characters shows."""
+    out = io.StringIO()
+    Console(file=out, width=width, highlight=False, markup=False).print(table.terminal(width))
+    assert max(map(len, out.getvalue().splitlines())) <= width, table.title
+    seen = Counter(out.getvalue().split())
+    numbers = Counter(
+        str(cell) for row in table.rows for cell in row if isinstance(cell, (int, Number))
+    )
+    cut = {n: (times, seen[n]) for n, times in numbers.items() if seen[n] < times}
+    assert not cut, (table.title, cut)
+
+
+def _unheard(how: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> tuple[int, str]:
+    """Run a command whose standard output is a pipe that nobody reads, or a full device."""
+    if how == "pipe":
+        reader, writer = os.pipe()
+        os.close(reader)
+    else:
+        writer = os.open("/dev/full", os.O_WRONLY)
+    err = io.StringIO()
+    with monkeypatch.context() as patched, os.fdopen(writer, "w") as out:
+        patched.setattr(sys, "argv", ["rps-bench", *arguments])
+        patched.setattr(sys, "stdout", out)
+        patched.setattr(sys, "stderr", err)
+        with pytest.raises(SystemExit) as ended:
+            main()
+    assert isinstance(ended.value.code, int)
+    return ended.value.code, err.getvalue()
