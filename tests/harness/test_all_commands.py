@@ -30,6 +30,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], bool]] = {
     "workspace": (("--modes", "1", "--layers", "490", "--grid", "12x2"), True),
     "claims": (("--only", "name-3-prs"), True),
     "identify": (("--free", "1", "--starts", "1", "--candidates", "z_mm"), True),
+    "stiffness": (("--cases", "case1"), True),
     "reproduce": ((*EXACT, "--only", "table"), True),
     "accept": (("--case-file", "one.toml", "--models", "rayleigh", "--reason", "so"),
                True),
