@@ -20,6 +20,10 @@ class InputError(ValueError):
         return _said, (type(self), str(self))
 
 
+class RefusedError(InputError):
+    """A mechanism or a kind of pose that one model cannot take, whatever its numbers."""
+
+
 class NotCertifiedError(ValueError):
     """A number that double precision cannot bound as closely as promised, said in one sentence."""
 

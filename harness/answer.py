@@ -37,6 +37,10 @@ LOWEST = 6
 """Lowest modes that move: ten parts of a limb show no more bends than theirs."""
 
 
+class NotTakenError(ModelError):
+    """A mechanism that the model says it cannot take."""
+
+
 def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
     """Return `answer` with `count` modes if it is one to be believed; else raise `ModelError`.
 
@@ -130,6 +134,8 @@ def _extrapolated(
         mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
         try:
             meshes.append(known(mesh, count + spare))
+        except NotTakenError:
+            raise
         except ModelError as error:
             raise ModelError(f"with {number} elements {error}") from None
     order = model.info().order

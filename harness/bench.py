@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
 from analytic.pairing import Pairing, pair
-from harness.answer import believed
+from harness.answer import NotTakenError, believed
 from harness.cases import Case
 from harness.rows import mode_rows, settings
 from harness.workers import LIMIT, Children, Failure, Task, attempt
@@ -72,7 +72,8 @@ class Study:
     """Modes of every model at every case, by case and model themselves; failures in words.
 
     Attributes: `cases`; `models`; `count` of modes asked for (answers hold `SPARE` more);
-    `answers` and `failures` by (case, model): each is in one of the two.
+    `answers` and `failures` by (case, model): each is in one of the two; `refused`, which of the
+    failures are of models that cannot take such a mechanism at all.
     """
 
     cases: tuple[Case, ...]
@@ -80,6 +81,7 @@ class Study:
     count: int
     answers: Mapping[Key, Modes]
     failures: Mapping[Key, str]
+    refused: frozenset[Key] = frozenset()
 
     def get(self, case: Case, model: Model) -> Modes | None:
         """Return the modes, or None where the model failed."""
@@ -156,7 +158,7 @@ class Bench:
         for case in cases:
             limbs_at(case.mechanism, case.pose)  # refuses a pose out of reach
         self.listener.expect(len(cases) * len(models))
-        answers, failures = {}, {}
+        answers, failures, refused = {}, {}, set[Key]()
         for model in models:
             for case in cases:
                 step = f"{label(model)} at {case.name}"
@@ -164,10 +166,12 @@ class Bench:
                 found = self.solve(model, case.mechanism, case.pose, count + SPARE)
                 if isinstance(found, Failure):
                     failures[case, model] = found.reason
+                    if found.refused:
+                        refused.add((case, model))
                 else:
                     answers[case, model] = found
                 self.listener.done(step)
-        return Study(cases, models, count, answers, failures)
+        return Study(cases, models, count, answers, failures, frozenset(refused))
 
     def solve(self, model: Model, mechanism: Mechanism, pose: Pose, count: int) -> Modes | Failure:
         """Return the checked modes of one model at one pose, or why there are none."""
@@ -193,7 +197,7 @@ class Bench:
         try:
             return believed(model, mechanism, pose, count, call, known)
         except ModelError as error:
-            return Failure(str(error))
+            return Failure(str(error), refused=isinstance(error, NotTakenError))
 
     def call(self, task: Task, isolated: bool) -> object:
         """Return what a task answers, or a `Failure`; in a process of its own if `isolated`."""
@@ -212,7 +216,7 @@ class Bench:
 
 def _unless_failed(found: Any) -> Any:
     if isinstance(found, Failure):
-        raise ModelError(found.reason)
+        raise (NotTakenError if found.refused else ModelError)(found.reason)
     return found
 
 

@@ -128,7 +128,8 @@ def pairing_notes(
 def failure_notes(*studies: Study) -> list[str]:
     """Return a sentence for every model that failed at a case."""
     return list(dict.fromkeys(
-        f"{label(model)} failed at {case.name}: {why}"
+        f"{label(model)} "
+        f"{'cannot take' if (case, model) in study.refused else 'failed at'} {case.name}: {why}"
         for study in studies
         for (case, model), why in study.failures.items()
     ))  # fmt: skip

@@ -57,6 +57,16 @@ class Result:
             f"{label(model)} at {case.name}": why
             for study in self.studies
             for (case, model), why in study.failures.items()
+            if (case, model) not in study.refused
+        }
+
+    def refusals(self) -> dict[str, str]:
+        """Return which models cannot take a mechanism ("MODEL at CASE", no meshes), and why."""
+        return {
+            f"{getattr(model, 'name', label(model))} at {case.name}": study.failures[case, model]
+            for study in self.studies
+            for case, model in study.failures
+            if (case, model) in study.refused
         }
 
     def table(self) -> Table:

@@ -58,9 +58,10 @@ class Task(Protocol):
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a task has no answer."""
+    """Why a task has no answer; `refused`: it is of a kind that the model cannot take."""
 
     reason: str
+    refused: bool = False
 
 
 class DiedError(RuntimeError):
@@ -69,11 +70,13 @@ class DiedError(RuntimeError):
 
 def attempt(task: Task) -> object:
     """Solve `task` in this process; what the model raises becomes a `Failure`."""
-    from analytic.errors import InputError
+    from analytic.errors import InputError, RefusedError
     from reference_models import ModelError, UnavailableError
 
     try:
         return task.solve()
+    except RefusedError as error:
+        return Failure(_short(str(error)), refused=True)
     except (ModelError, UnavailableError, InputError) as error:
         return Failure(_short(str(error)))
     except Exception as error:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
+from analytic.errors import InputError, RefusedError
 from analytic.mechanism import Mechanism
 from analytic.pose import Pose
 
@@ -53,11 +53,12 @@ def place(mechanism: Mechanism, pose: Pose) -> Placement:
         if not limb.simple:
             found = f"limb {number}, {limb.described}"
             expected = "limbs of one solid round rod between an R and an S joint for this model"
-            raise InputError("mechanism", found, expected)
+            raise RefusedError("mechanism", found, expected)
     if any(mechanism.platform.centre):
-        raise InputError("Platform.centre", mechanism.platform.centre, "o itself for this model")
+        off = mechanism.platform.centre
+        raise RefusedError("Platform.centre", off, "o itself for this model")
     if pose.x is not None or np.any(pose.torsion):
-        raise InputError("pose", pose, "z, azimuth and tilt alone for this model")
+        raise RefusedError("pose", pose, "z, azimuth and tilt alone for this model")
     turn = _about_z(pose.azimuth)
     rotation = turn @ _about_y(pose.tilt) @ turn.swapaxes(-1, -2)
     bases = np.array([limb.base for limb in mechanism.limbs])

@@ -1,11 +1,12 @@
 """`rps-bench reproduce`: the main job."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
 from harness.cli import flags
-from harness.cli.terminal import Bar, Written, finish
+from harness.cli.terminal import Bar, finish
 
 LATEST = "results/latest"
 
@@ -48,4 +49,4 @@ def reproduce(
     click.echo(job.short(parts), nl=False)
     click.echo(f"{written} files in {output}/; start with {output / 'index.html'}")
     failures = dict(kept.failures) | {part.entry.title: part.why for part in parts if part.why}
-    return Written((), failures, kept.unwritten).say()
+    return replace(kept, failures=failures).say()

@@ -3,7 +3,7 @@
 import shutil
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -91,11 +91,16 @@ class Bar:
 
 @dataclass(frozen=True)
 class Written:
-    """What a command wrote, and what has no answer."""
+    """What a command wrote, and what has no answer.
+
+    `refusals`: models that cannot take a mechanism; `asked`: whether models were named.
+    """
 
     paths: tuple[Path, ...]
     failures: Mapping[str, str]
     unwritten: Exception | None = None
+    refusals: Mapping[str, str] = field(default_factory=dict)
+    asked: bool = False
 
     def say(self) -> int:
         """Name files and failures; return the exit status. Raises why the history is not kept."""
@@ -103,9 +108,11 @@ class Written:
             click.echo(f"wrote {plain(str(path))}")
         for what, why in self.failures.items():
             click.echo(f"rps-bench: {plain(f'{what} failed: {why}')}", err=True)
+        for what, why in self.refusals.items():
+            click.echo(f"rps-bench: {plain(f'{what} is left out: {why}')}", err=True)
         if self.unwritten is not None:
             raise self.unwritten
-        return 1 if self.failures else 0
+        return 1 if self.failures or (self.refusals and self.asked) else 0
 
 
 def finish(results: Mapping[str, "Result"], output: Path | None, history: Path | None) -> Written:
@@ -125,9 +132,19 @@ def finish(results: Mapping[str, "Result"], output: Path | None, history: Path |
         except OutputError as error:  # what was found is shown all the same
             unwritten = error
     failures: dict[str, str] = {}
+    refusals: dict[str, str] = {}
     for result in results.values():
         failures |= result.failures()
-    return Written(tuple(paths), failures, unwritten)
+        refusals |= result.refusals()
+    return Written(tuple(paths), failures, unwritten, refusals, _named())
+
+
+def _named() -> bool:
+    """Return whether the command line names its references, rather than takes a group of them."""
+    from harness.text import GROUPS
+
+    context = click.get_current_context(silent=True)
+    return context is not None and context.params.get("references") not in (None, *GROUPS)
 
 
 def append_rows(history: Path, results: Mapping[str, "Result"]) -> None:

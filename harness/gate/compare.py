@@ -205,10 +205,18 @@ def failures(checked: Checked) -> list[Finding]:
         for model, why in checked.plan.skipped.items()
         if why != NOT_ASKED
     ]
+    gone += [
+        Finding("source", label(model), case.name, None, "model", verdict=NOTED,
+                cause=f"not run: {study.failures[case, model]}")
+        for study in checked.studies
+        for case, model in study.failures
+        if (case, model) in study.refused
+    ]  # fmt: skip
     failed = {
         (case.name, label(model)): why
         for study in checked.studies
         for (case, model), why in study.failures.items()
+        if (case, model) not in study.refused
     } | {
         (GATE, label(model)): one.reason
         for model, one in checked.batches.items()

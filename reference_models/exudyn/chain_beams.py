@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
+from analytic.errors import RefusedError
 from analytic.mechanism import Body, Joint, Link, Rod
 from reference_models.chain_placement import Standing, triad
 from reference_models.exudyn.chain import Built, Piece, along, rigid
@@ -51,7 +51,7 @@ def add_beams(
         if isinstance(item, Joint):
             if waiting:
                 found = f"limb {limb.number}, {limb.limb.described}"
-                raise InputError("mechanism", found, "one joint at a place for exudyn")
+                raise RefusedError("mechanism", found, "one joint at a place for exudyn")
             waiting = item
             continue
         begin = float(np.linalg.norm(start - limb.starts[0]))
@@ -132,7 +132,7 @@ def _joint(
     frame = triad(axes)
     if frame is None:
         found = f"limb {limb.number}, {limb.limb.described}"
-        raise InputError("mechanism", found, "freedoms of a joint at right angles for exudyn")
+        raise RefusedError("mechanism", found, "freedoms of a joint at right angles for exudyn")
     held, stiffness = np.ones(6, dtype=int), np.zeros(6)
     for freedom, axis in zip(loose, axes, strict=True):
         at = int(np.abs(frame.T @ axis).argmax()) + 3 * (freedom.kind == "rotation")

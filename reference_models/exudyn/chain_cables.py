@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
+from analytic.errors import RefusedError
 from analytic.mechanism import Joint, Rod
 from reference_models.chain_placement import Standing
 from reference_models.exudyn.chain import Built, Piece, along
@@ -64,9 +64,9 @@ def add_cables(
     built.lines.append(line)
 
 
-def _refused(limb: Standing, expected: str) -> InputError:
+def _refused(limb: Standing, expected: str) -> RefusedError:
     found = f"limb {limb.number}, {limb.limb.described}"
-    return InputError(
+    return RefusedError(
         "mechanism", found, f"limbs of {expected}: exudyn-cable has no torsion to carry"
     )
 

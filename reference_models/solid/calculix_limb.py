@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.errors import InputError
+from analytic.errors import RefusedError
 from analytic.mechanism import Body, Item, Joint, Rod
 from analytic.modes import STATIONS
 from reference_models.chain_placement import Standing
@@ -69,7 +69,7 @@ def add_limb(
     }
     if not rods:
         found = f"limb {limb.number}, {limb.limb.described}"
-        raise InputError("mechanism", found, "a rod in every limb for calculix-solid")
+        raise RefusedError("mechanism", found, "a rod in every limb for calculix-solid")
     last = max(rods)
     # From the base to the last rod everything follows what is before it, after that what is next.
     before, waiting = Frame(0, 0, limb.starts[0]), list[int]()
@@ -105,7 +105,7 @@ def _add_rod(
     """Write a rod and its rigid end faces."""
     if rod.section.diameter is None:
         found = f"limb {limb.number}, {limb.limb.described}"
-        raise InputError("mechanism", found, "round rods and tubes for calculix-solid")
+        raise RefusedError("mechanism", found, "round rods and tubes for calculix-solid")
     start, stop = limb.starts[k : k + 2]
     mesh = make(rod, float(np.linalg.norm(stop - start)))
     x, y, z = limb.frame.T

@@ -1,0 +1,44 @@
+"""A mechanism that a model cannot take is no failure of a run that did not ask for that model."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from harness.bench import run
+from harness.case_file import load_cases
+from harness.studies.table import TableOne
+from reference_models import Named
+
+CHAINS = Path(__file__).parents[2] / "results" / "published" / "mechanisms.toml"
+TAKES, CANNOT = Named("exudyn-beam", 2), Named("mujoco-cable", (4, 8))
+
+
+def test_a_refusal_is_told_from_a_failure() -> None:
+    case = load_cases(CHAINS)["prs"]
+    theory = Named("euler-bernoulli", 2)
+    study = run(case, [theory, TAKES, CANNOT])
+    assert (case, TAKES) in study.answers
+    assert study.refused == {(case, CANNOT)}
+    result = TableOne(study, (theory,), (TAKES, CANNOT), (1, 2, 3), ())
+    assert not result.failures()
+    ((what, why),) = result.refusals().items()
+    assert what == "mujoco-cable at prs"
+    assert why.startswith("mechanism = 'limb 1, P-body-R-rod-S'")
+
+
+@pytest.mark.parametrize(
+    ("references", "status"), [("quick", 0), ("exudyn-beam@2,mujoco-cable@4", 1)]
+)
+def test_only_a_model_that_was_named_must_answer(
+    rps_bench: Callable[..., Any], references: str, status: int
+) -> None:
+    answer = rps_bench("table", "--case-file", str(CHAINS), "--cases", "prs",
+                       "--references", references)  # fmt: skip
+    assert answer.status == status, answer.err
+    assert "mujoco-cable at prs is left out: mechanism = 'limb 1" in answer.err
+    assert "exudyn-beam@" in answer.out
+    assert (
+        "mujoco-cable" not in answer.out.split("Every reference")[0] or "cannot take" in answer.out
+    )
