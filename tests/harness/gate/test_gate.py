@@ -180,7 +180,7 @@ PLANTED: dict[str, tuple[dict[str, Any], Places, set[str]]] = {
     "one in 1e9": (times(1 + 1e-9), set(), {"frequency"}),
     "a limb 1e-6 stiffer": ({"ask": stiffer_limb}, set(), {"frequency"}),
     "a joint 10 micrometres off": ({"ask": moved_joint}, set(), {"frequency"}),
-    "shapes 3 and 4 swapped": ({"after": swapped}, set(), {"shape"}),
+    "shapes 3 and 4 swapped": ({"after": swapped}, BOTH, set()),
     "shapes times 2": (
         {"after": lambda m: replace(m, platform=2 * m.platform, limbs=2 * m.limbs)},
         BOTH, set(),
