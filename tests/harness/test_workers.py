@@ -1,11 +1,13 @@
 """Processes of their own: what ends them ends all that they started, and nothing is left lying."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -94,6 +96,40 @@ def test_a_killed_parent_leaves_nothing_running(tmp_path: Path, group: bool) -> 
         parent.kill()
     program, process = map(int, note.read_text().split())
     assert soon(program) and soon(process)
+    sweep_up()
+    assert not list(Path(tempfile.gettempdir()).glob(f"{PREFIX}{parent.pid}-*"))
+
+
+def running(program: str, parent: int) -> list[int]:
+    """Return the processes of a program in a temporary folder of what `parent` has started."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            name = (process / "comm").read_text()
+            inside = f"{PREFIX}{parent}-".encode() in (process / "environ").read_bytes()
+            if name.startswith(program) and inside and not gone(int(process.name)):
+                found.append(int(process.name))
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="needs CalculiX: apt-get install calculix-ccx"
+)
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+def test_no_calculix_outlives_a_command(tmp_path: Path, how: signal.Signals) -> None:
+    """The real program, in the middle of its work."""
+    script = "from harness.cli.main import main; main()"
+    asked = ["table", "--cases", "case1", "--references", "calculix-solid@12", "--history", "none"]
+    program, null = [sys.executable, "-c", script, *asked], subprocess.DEVNULL
+    with subprocess.Popen(program, cwd=tmp_path, stdout=null, stderr=null) as parent:
+        deadline = time.monotonic() + 120
+        while not (there := running("ccx", parent.pid)):
+            assert time.monotonic() < deadline and parent.poll() is None
+            time.sleep(0.02)
+        parent.send_signal(how)
+    assert parent.returncode != 0
+    assert all(map(soon, there)) and not running("ccx", parent.pid)
     sweep_up()
     assert not list(Path(tempfile.gettempdir()).glob(f"{PREFIX}{parent.pid}-*"))
 
