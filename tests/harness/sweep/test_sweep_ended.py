@@ -67,6 +67,23 @@ def test_workers_killed_at_random_leave_every_row_once(slow_sweep: Any) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_a_series_of_kills_ends_like_a_whole_run(slow_sweep: Any, seed: int) -> None:
+    """The sweep itself, three times, at any moment from its start to its last file."""
+    random = np.random.default_rng(seed)
+    for _ in range(3):
+        process = slow_sweep.started()
+        time.sleep(random.uniform(0.3, 3.0))
+        process.kill()  # of one that has ended nothing happens
+        slow_sweep.ended(process)
+    assert slow_sweep.ended(slow_sweep.started())[0] == 0
+    rows = slow_sweep.complete()
+    poses = Pose(*(rows[name][::4].to_numpy() for name in ("z_m", "azimuth_rad", "tilt_rad")))
+    expected = 1.0001 * condensed_frequencies(Mechanism.paper(), poses, count=4)
+    np.testing.assert_allclose(rows["frequency_hz"], expected.ravel(), rtol=1e-9)
+
+
+@pytest.mark.slow
 def test_a_full_disk_is_one_sentence_and_loses_nothing(slow_sweep: Any) -> None:
     """The kernel refuses writes beyond a size, in the journal and then in the rows."""
     output = slow_sweep.output
