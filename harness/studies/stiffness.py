@@ -142,7 +142,8 @@ class Stiffnesses(Result):
             soft, parts = found.softest()[2], self.parts[case][::-1]
             sizes = [100 * float(soft[list(part.which)].sum()) for part in parts]
             axes.barh([part.name for part in parts], sizes, color=COLOURS[0])
-            axes.set(xlim=(0, 100), xlabel="share [%]")
+            middle, half = (len(parts) - 1) / 2, max(len(parts), 4) / 2  # one bar is no wall
+            axes.set(xlim=(0, 100), ylim=(middle - half, middle + half), xlabel="share [%]")
             axes.set_title(case.heading, fontsize=10)
         return {"": figure} | ({"-map": _map_figure(self.maps)} if self.maps else {})
 
