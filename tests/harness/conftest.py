@@ -1,14 +1,18 @@
 """The command line as a person runs it, in this process."""
 
+import io
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from harness.cli.main import main
+from harness.tables import Number, Table
 
 
 @dataclass(frozen=True)
@@ -70,3 +74,30 @@ def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copy(Path(__file__).with_name("plugin") / "trial.py", site)
     monkeypatch.setenv("PYTHONPATH", str(site))
     monkeypatch.syspath_prepend(site)
+
+
+WIDTHS = (60, 80, 120)
+
+
+@pytest.fixture(scope="session")
+def whole() -> Callable[[Table], None]:
+    """Check that a terminal of any usual width shows every number of a table."""
+
+    def check(table: Table) -> None:
+        for width in WIDTHS:
+            _whole(table, width)
+
+    return check
+
+
+def _whole(table: Table, width: int) -> None:
+    """Every number of a table stands in what a terminal of so many characters shows."""
+    out = io.StringIO()
+    Console(file=out, width=width, highlight=False, markup=False).print(table.terminal(width))
+    assert max(map(len, out.getvalue().splitlines())) <= width, table.title
+    seen = Counter(out.getvalue().split())
+    numbers = Counter(
+        str(cell) for row in table.rows for cell in row if isinstance(cell, (int, Number))
+    )
+    cut = {n: (times, seen[n]) for n, times in numbers.items() if seen[n] < times}
+    assert not cut, (table.title, cut)

@@ -3,21 +3,18 @@
 import io
 import os
 import sys
-from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from rich.console import Console
 
 from harness.cli.main import HELP, main
-from harness.tables import Number, Table
+from harness.tables import Table
 
 pytestmark = pytest.mark.slow
 ONE = ("--cases", "case1", "--modes", "1-2", "--references")
 EXACT = (*ONE, "timoshenko@exact")
-WIDTHS = (60, 80, 120)
 WRITES = "--output"
 # What each is asked, and whether it writes files into --output.
 COMMANDS: dict[str, tuple[tuple[str, ...], bool]] = {
@@ -47,7 +44,9 @@ COMMANDS: dict[str, tuple[tuple[str, ...], bool]] = {
 
 
 def test_all_of_them_are_here() -> None:
-    assert set(COMMANDS) | {"cost", "work-precision"} == set(HELP), "those two take minutes"
+    assert set(COMMANDS) | {"cost", "work-precision"} == set(HELP), (
+        "those two have tests of their own"
+    )
 
 
 @pytest.fixture
@@ -68,6 +67,7 @@ def shown(monkeypatch: pytest.MonkeyPatch) -> list[Table]:
 def test_whole_digits_and_outputs_that_take_nothing(
     rps_bench: Callable[..., Any],
     shown: list[Table],
+    whole: Callable[[Table], None],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     name: str,
@@ -81,8 +81,7 @@ def test_whole_digits_and_outputs_that_take_nothing(
     answer = rps_bench(name, *asked, *_folder(name, "seen", writes))
     assert "Traceback" not in answer.err and answer.status in (0, 1), answer.err
     for table in tuple(shown):
-        for width in WIDTHS:
-            _whole(table, width)
+        whole(table)
     for how in ("pipe", "full"):
         Path("one.toml").touch()
         status, err = _unheard(how, monkeypatch, name, *asked, *_folder(name, how, writes))
@@ -109,19 +108,6 @@ def _names(folder: str) -> set[str]:
     found = {path.name for path in Path(folder).iterdir()}
     assert found
     return found
-
-
-def _whole(table: Table, width: int) -> None:
-    """Every number of a table stands in what a terminal of so many characters shows."""
-    out = io.StringIO()
-    Console(file=out, width=width, highlight=False, markup=False).print(table.terminal(width))
-    assert max(map(len, out.getvalue().splitlines())) <= width, table.title
-    seen = Counter(out.getvalue().split())
-    numbers = Counter(
-        str(cell) for row in table.rows for cell in row if isinstance(cell, (int, Number))
-    )
-    cut = {n: (times, seen[n]) for n, times in numbers.items() if seen[n] < times}
-    assert not cut, (table.title, cut)
 
 
 def _unheard(how: str, monkeypatch: pytest.MonkeyPatch, *arguments: str) -> tuple[int, str]:

@@ -1,5 +1,6 @@
 """What a frequency costs: parts add up, growth is read right, a failure costs itself alone."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,6 +15,7 @@ from harness.studies.cost.figure import Point, unbeaten
 from harness.studies.cost.growth import growth
 from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
+from harness.tables import Table
 from harness.timing import Timed, Way
 from reference_models import Named
 
@@ -147,3 +149,9 @@ def test_every_core_has_its_poses(cost: Cost) -> None:
         assert one.poses == 200 * one.cores
         assert one.rate == pytest.approx(6 * one.poses / one.seconds)
         assert not one.megabytes <= 10  # NaN where the system does not say
+
+
+def test_no_digit_of_its_tables_is_cut(cost: Cost, whole: Callable[[Table], None]) -> None:
+    assert len(cost.tables()) > 1
+    for table in cost.tables().values():
+        whole(table)

@@ -1,5 +1,7 @@
 """Time against error: errors are the models' own, the front is what nothing beats."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from harness.studies.precision import (
     whole_number,
     work_precision,
 )
+from harness.tables import Table
 from harness.timing import Way
 from reference_models import Named
 
@@ -116,3 +119,11 @@ def test_every_way_has_every_theory_and_rival() -> None:
 def test_bad_numbers_of_rounds(text: str) -> None:
     with pytest.raises(InputError, match=r"^rounds = .*: expected a whole number from 1 to 1000$"):
         whole_number("rounds", text, 1000)
+
+
+def test_no_digit_of_its_tables_is_cut(
+    result: WorkPrecision, whole: Callable[[Table], None]
+) -> None:
+    assert len(result.tables()) > 1
+    for table in result.tables().values():
+        whole(table)
