@@ -30,6 +30,7 @@ from analytic.pose import Pose
 from analytic.rod_elements import Properties, element_matrices, properties
 from analytic.rod_exact import dynamic_stiffness, pieces
 from analytic.theory import Theory
+from analytic.wittrick_williams import Counted
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ MARGIN = 1.0 + 1e-6
 
 
 @dataclass(frozen=True)
-class ChainForm:
+class ChainForm(Counted):
     """D at omega^2 of q values in scaled motions: what `certified` asks of a `Form`.
 
     Attributes: `omega2` (q,); `matrix` (q, m, m) and `mass` = -dD/d(omega^2); `outside`, minus the
@@ -57,26 +58,6 @@ class ChainForm:
     outside: NDArray[np.int64]
     error: Floats
     back: Floats
-
-    @cached_property
-    def values(self) -> Floats:
-        """D's eigenvalues, ascending, without those of spins, (q, m)."""
-        return np.asarray(np.linalg.eigvalsh(self.matrix))
-
-    @property
-    def count(self) -> NDArray[np.int64]:
-        """How many modes lie below each omega^2, (q,)."""
-        return np.asarray(self.outside + (self.values < 0).sum(axis=1))
-
-    @property
-    def at_least(self) -> NDArray[np.int64]:
-        """How many modes lie below for certain, (q,)."""
-        return np.asarray(self.outside + (self.values < -self.error[:, None]).sum(axis=1))
-
-    @property
-    def at_most(self) -> NDArray[np.int64]:
-        """How many modes can lie below at most, (q,)."""
-        return np.asarray(self.outside + (self.values < self.error[:, None]).sum(axis=1))
 
     @cached_property
     def pencil(self) -> tuple[Floats, Floats]:

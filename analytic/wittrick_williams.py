@@ -47,8 +47,39 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 """Relative error of one entry of B; the bound on B's eigenvalues is made of it."""
 
 
+class Counted:
+    """Counts of modes by the negative eigenvalues of a `matrix` (q, m, m), with their rounding.
+
+    `outside` (q,) is counted besides; `error` (q,) bounds the rounding of the eigenvalues.
+    """
+
+    matrix: Floats
+    outside: NDArray[np.int64]
+    error: Floats
+
+    @cached_property
+    def values(self) -> Floats:
+        """The matrix's eigenvalues, ascending, (q, m)."""
+        return np.asarray(np.linalg.eigvalsh(self.matrix))
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """How many modes lie below each omega^2, (q,)."""
+        return np.asarray(self.outside + (self.values < 0).sum(axis=1))
+
+    @property
+    def at_least(self) -> NDArray[np.int64]:
+        """How many modes lie below for certain, (q,)."""
+        return np.asarray(self.outside + (self.values < -self.error[:, None]).sum(axis=1))
+
+    @property
+    def at_most(self) -> NDArray[np.int64]:
+        """How many modes can lie below at most, (q,)."""
+        return np.asarray(self.outside + (self.values < self.error[:, None]).sum(axis=1))
+
+
 @dataclass(frozen=True)
-class Form:
+class Form(Counted):
     """B at omega^2 of q values, and what goes with it; m = 6 + the most stiff directions.
 
     Attributes: `omega2` (q,); `matrix` B (q, m, m) and `mass` = -dB/d(omega^2), its 6 x 6 block
@@ -69,26 +100,6 @@ class Form:
     scale: Floats
     change: Floats
     size: Floats
-
-    @cached_property
-    def values(self) -> Floats:
-        """B's eigenvalues, ascending, (q, m)."""
-        return np.asarray(np.linalg.eigvalsh(self.matrix))
-
-    @property
-    def count(self) -> NDArray[np.int64]:
-        """How many modes lie below each omega^2, torsion apart, (q,)."""
-        return np.asarray(self.outside + (self.values < 0).sum(axis=1))
-
-    @property
-    def at_least(self) -> NDArray[np.int64]:
-        """How many modes lie below for certain, (q,)."""
-        return np.asarray(self.outside + (self.values < -self.error[:, None]).sum(axis=1))
-
-    @property
-    def at_most(self) -> NDArray[np.int64]:
-        """How many modes can lie below at most, (q,)."""
-        return np.asarray(self.outside + (self.values < self.error[:, None]).sum(axis=1))
 
     @cached_property
     def pencil(self) -> tuple[Floats, Floats, Floats]:
