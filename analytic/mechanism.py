@@ -147,7 +147,9 @@ class Limb:
             and rod.section.diameter is not None
             and not rod.section.bore
             and not first.slider
-            and first == Joint.revolute(first.freedoms[0].axis)
+            # Not by making one: an axis of length 1 made so again may differ in its last bit.
+            and [(f.kind, f.frame, f.stiffness, f.across) for f in first.freedoms]
+            == [("rotation", "base", 0.0, False)]
         )
 
     def _of_rps(self) -> tuple[Vector, Rod]:

@@ -125,6 +125,16 @@ def test_the_papers_limbs_are_a_case_of_chains() -> None:
         assert np.abs(exactly.platform - known.platform).max() < 1e-6 * np.abs(known.platform).max()
 
 
+def test_the_papers_limb_is_known_by_its_joints_whatever_its_axis() -> None:
+    """The last bit of an axis of length 1, and a limb whose first joint turns about nothing."""
+    rod, random = Rod.round(STEEL, 0.05), np.random.default_rng(0)
+    for axis in random.normal(size=(200, 3)):
+        limb = Limb.rps((1, 0, 0), tuple(axis), (0.5, 0, 0), rod)
+        assert limb.simple and limb.turned(0.3).simple and limb.with_rod(rod).simple
+    ends = (Joint(()), Joint.universal((0, 1, 0)), Joint.revolute((0, 1, 0), stiffness=1.0))
+    assert not any(Limb((1, 0, 0), (0, 0, 0), (j, rod, Joint.spherical())).simple for j in ends)
+
+
 def test_exact_pieces_at_low_frequency_are_elements() -> None:
     """D = K - omega^2 M + O(omega^4), for any section; and a piece in two is the same piece."""
     section = Section(2e-3, (3e-7, 9e-7), 4e-7, (0.7, 0.85))
