@@ -97,5 +97,9 @@ def _panel(axes: "Axes", points: Sequence[Point], colour: str, *, more: bool) ->
     axes.plot([p.x for p in front], [p.time for p in front], "o-", color=colour, ms=5, lw=1.4,
               zorder=2)  # fmt: skip
     for name, last in {p.name: p for p in front}.items():
-        axes.annotate(name, (last.x, last.time), xytext=(8, -14), textcoords="offset points",
-                      fontsize=7, color=colour, ha="right", zorder=3)  # fmt: skip
+        # Beside the curve, which rises in (a) and falls in (b), and inside the panel.
+        side, (x, y) = "left", (6, -12)
+        if last == front[-1]:
+            side, (x, y) = "right", (4, 8 if more else -14)
+        axes.annotate(name, (last.x, last.time), xytext=(x, y), textcoords="offset points",
+                      fontsize=7, color=colour, ha=side, zorder=3)  # fmt: skip
