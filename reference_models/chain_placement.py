@@ -23,13 +23,15 @@ class Standing:
     """One limb at a pose, in global axes.
 
     Attributes: its `number`, from 1; the `limb`; `frame`, columns x, y, z of its axes (3, 3);
-    `starts` of its items and the end of the last (items + 1, 3) [m].
+    `starts` of its items and the end of the last (items + 1, 3) [m]; `mass` of its rods or,
+    where it has none, of the platform [kg].
     """
 
     number: int
     limb: Limb
     frame: Array
     starts: Array
+    mass: float
 
     @property
     def length(self) -> float:
@@ -70,7 +72,7 @@ def stand(mechanism: Mechanism, pose: Pose) -> tuple[Array, Array, list[Standing
     lean = Rotation.from_rotvec(pose.tilt * np.array(about))
     R = (lean * Rotation.from_rotvec([0.0, 0.0, pose.torsion])).as_matrix()
     o = _centre(mechanism, pose, R)
-    limbs = [_stand(i + 1, limb, o, R, pose) for i, limb in enumerate(mechanism.limbs)]
+    limbs = [_stand(i + 1, mechanism, o, R, pose) for i in range(len(mechanism.limbs))]
     for limb in limbs:
         _check(limb, R, pose)
     return o, R, limbs
@@ -147,7 +149,8 @@ def _centre(mechanism: Mechanism, pose: Pose, R: Array) -> Array:
     return np.array([*np.linalg.lstsq(np.array(rows), np.array(right), rcond=1e-9)[0], pose.z])
 
 
-def _stand(number: int, limb: Limb, o: Array, R: Array, pose: Pose) -> Standing:
+def _stand(number: int, mechanism: Mechanism, o: Array, R: Array, pose: Pose) -> Standing:
+    limb = mechanism.limbs[number - 1]
     tip, start = o + R @ np.array(limb.platform_point), np.array(limb.base)
     given = sum(_length(item) or 0.0 for item in limb.chain)
     first = limb.chain[0]
@@ -173,7 +176,13 @@ def _stand(number: int, limb: Limb, o: Array, R: Array, pose: Pose) -> Standing:
         raise InputError("pose", pose, expected)
     lengths = [left if length is None else length for length in own]
     starts = start + np.concatenate([[0.0], np.cumsum(lengths)])[:, None] * z
-    return Standing(number, limb, np.stack([x, np.cross(z, x), z], axis=1), starts)
+    masses = (
+        item.material.density * item.area * length
+        for item, length in zip(limb.chain, lengths, strict=True)
+        if isinstance(item, Rod)
+    )
+    frame, mass = np.stack([x, np.cross(z, x), z], axis=1), sum(masses)
+    return Standing(number, limb, frame, starts, mass or mechanism.platform.mass)
 
 
 def _length(item: Item) -> float | None:

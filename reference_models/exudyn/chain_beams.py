@@ -17,7 +17,7 @@ from reference_models.exudyn.system import add_rigid_nodes
 Array = NDArray[np.float64]
 
 LIGHT = 1e-9
-"""Mass and inertia of a rigid link between two joints, of about one limb's: it should have none."""
+"""Mass and inertia of a rigid link between two joints, of its limb's: it should have none."""
 
 
 @dataclass
@@ -97,8 +97,10 @@ def _massless(exu: Any, mbs: Any, node: int, axes: Array) -> _Place:
 
 def _body(exu: Any, mbs: Any, limb: Standing, item: Any, start: Array) -> _Place:
     """Add a body of the chain, or a link as one, at `start` in global axes."""
-    light = ((LIGHT, 0.0, 0.0), (0.0, LIGHT, 0.0), (0.0, 0.0, LIGHT))
-    body = item if isinstance(item, Body) else Body(LIGHT, light)
+    mass = LIGHT * limb.mass
+    J = mass * limb.length**2
+    light = ((J, 0.0, 0.0), (0.0, J, 0.0), (0.0, 0.0, J))
+    body = item if isinstance(item, Body) else Body(mass, light)
     (node,) = add_rigid_nodes(exu, mbs, start[None], np.eye(3))
     axes = limb.frame if body.frame == "limb" else np.eye(3)
     return _place(exu, mbs, rigid(exu, mbs, node, body, axes), np.eye(3), np.zeros(3))

@@ -1,6 +1,7 @@
 """The scripts of the Exudyn models: every call that the model makes, written down as it is made."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,21 @@ from analytic.mechanism import Mechanism
 from analytic.modes import check_count
 from analytic.pose import Pose, one_pose
 from reference_models.catalogue import Named
-from reference_models.export import Export, about
+from reference_models.chain_placement import stand
+from reference_models.export import SOLVE, Export, about, shift_of
 from reference_models.exudyn import beam, cable
 from reference_models.exudyn.beam import ExudynBeam
 from reference_models.exudyn.cable import ExudynCable
-from reference_models.exudyn.system import Axis, Line, add_platform, add_spherical, rod_axes
+from reference_models.exudyn.chain import Built, rigid
+from reference_models.exudyn.chain_beams import add_beams
+from reference_models.exudyn.system import (
+    Axis,
+    Line,
+    add_platform,
+    add_rigid_nodes,
+    add_spherical,
+    rod_axes,
+)
 from reference_models.placement import place
 
 START = """
@@ -33,6 +44,26 @@ frequencies, _ = mbs.ComputeODE2Eigenvalues(convert2Frequencies=True)
 print(*(f"{{f:.6f}}" for f in frequencies[:{count}]), sep="\\n")
 SC.Reset()
 """
+CHAIN_END = """
+# --- the lowest modes, by Exudyn's own matrices and constraints
+SPINS = {spins}  # limbs that may turn about themselves
+mbs.Assemble()
+M, K, _, J = mbs.ComputeLinearizedSystem(returnConstraintJacobian=True)
+print(*(f"{{f:.9f}}" for f in lowest(M, K, J.T, {count}, {shift!r})), sep="\\n")
+SC.Reset()
+"""
+SAID = {
+    "GenericJoint": "a joint: 0 where it is free, of three shifts and three turns in its own axes",
+    "RigidBodySpringDamper": "what resists those [N/m, N m/rad]",
+    "NodeRigidBodyEP": "nodes of a rod, or of a body: place and Euler parameters",
+    "ObjectBeamGeometricallyExact": "elements of the rod, sheared, with rotary inertia",
+    "physicsMass=0.0": "bodies without mass by which joints hold the rod's ends",
+    "MarkerBodyRigid": "where a joint takes hold",
+    "ObjectGround": "the base, at B_i",
+    "ObjectRigidBody": "a body",
+    "BeamSection": "the rod's section: x along it, then y and minus x of its limb",
+}
+"""What stands above calls of a chain; the first that is in a line is said."""
 
 
 class Section:
@@ -107,7 +138,7 @@ class System:
 def written(value: Any) -> str:
     """Return the Python text of an argument, numbers to the last bit."""
     if isinstance(value, np.ndarray):
-        return f"np.zeros({value.shape})" if not value.size else f"np.array({written([*value])})"
+        return f"np.array({written(value.tolist())})" if value.size else f"np.zeros({value.shape})"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(map(written, value))}]"
     if isinstance(value, np.generic):
@@ -116,7 +147,9 @@ def written(value: Any) -> str:
 
 
 def cables(mechanism: Mechanism, pose: Pose, elements: int | None = None, count: int = 6) -> Export:
-    """Return the script of `exudyn-cable`."""
+    """Return the script of `exudyn-cable`, or, for limbs of other chains, that of `exudyn-beam`."""
+    if not mechanism.simple:
+        return beams(mechanism, pose, elements, count)
     model = ExudynCable() if elements is None else ExudynCable(elements)
     return _script(model._add_rod, Named(cable.NAME, model.elements), mechanism, pose, count)
 
@@ -124,6 +157,8 @@ def cables(mechanism: Mechanism, pose: Pose, elements: int | None = None, count:
 def beams(mechanism: Mechanism, pose: Pose, elements: int | None = None, count: int = 6) -> Export:
     """Return the script of `exudyn-beam`."""
     model = ExudynBeam() if elements is None else ExudynBeam(elements)
+    if not mechanism.simple:
+        return _chains(model, mechanism, pose, count)
     return _script(model._add_rod, Named(beam.NAME, model.elements), mechanism, pose, count)
 
 
@@ -148,6 +183,42 @@ def _script(
         line = add_rod(exu, mbs, axis)
         say(f"# the spherical joint at A_{i}")
         add_spherical(exu, mbs, body, limb.platform_point, line.tip)
+    return _written(mechanism, pose, named, START, lines, END.format(count=count))
+
+
+def _chains(model: ExudynBeam, mechanism: Mechanism, pose: Pose, count: int) -> Export:
+    o, R, limbs = stand(mechanism, one_pose(mechanism, pose))
+    named = Named(beam.NAME, model.elements)
+    lines: list[str] = []
+    exu, mbs, say = Exudyn(lines), System(lines), lines.append
+    say("# --- the rigid platform, its node at o")
+    (node,) = add_rigid_nodes(exu, mbs, o[None], R)
+    body = rigid(exu, mbs, node, mechanism.platform, np.eye(3))
+    add: Any = partial(add_beams, model.elements, model._kappas)
+    for limb in limbs:
+        own: list[str] = []
+        exu.lines = mbs.lines = own
+        add(exu, mbs, limb, body, R, Built())
+        lines += [f"\n# --- limb {limb.number}: {limb.limb.described}", *_commented(own)]
+    spins = sum(limb.may_spin for limb in limbs)
+    end = CHAIN_END.format(count=count, spins=spins, shift=shift_of(limbs))
+    return _written(mechanism, pose, named, START + SOLVE, lines, end)
+
+
+def _commented(lines: list[str]) -> Iterator[str]:
+    """Yield the lines of a limb, a comment above each run of equal calls."""
+    before = ""
+    for line in lines:
+        kind = next((kind for kind in SAID if kind in line), before)
+        if kind != before:
+            yield f"# {SAID[kind]}"
+        before = kind
+        yield line
+
+
+def _written(
+    mechanism: Mechanism, pose: Pose, named: Named, start: str, lines: list[str], end: str
+) -> Export:
     top = "\n".join([*about(mechanism, pose, named), "Run `python rps.py`: it prints hertz."])
-    text = f'"""{top}\n"""\n{START}\n' + "\n".join(lines) + "\n" + END.format(count=count)
+    text = f'"""{top}\n"""\n{start}\n' + "\n".join(lines) + "\n" + end
     return Export({"rps.py": text}, "python rps.py", named)

@@ -126,13 +126,7 @@ def segmented(limb: Standing, R: Array, elements: int, *, rotary: bool) -> Segme
     diameters that of a line, or with `rotary` that of the rod.
     """
     z, name = limb.frame[:, 2], f"L{limb.number}"
-    spans = np.linalg.norm(np.diff(limb.starts, axis=0), axis=1)
-    rods = [
-        item.material.density * item.area * float(span)
-        for item, span in zip(limb.limb.chain, spans, strict=True)
-        if isinstance(item, Rod)
-    ]
-    light = LIGHT * (sum(rods) or 1.0)  # in the mechanism's units
+    light = LIGHT * limb.mass
     no_inertia = light * limb.length**2 * np.eye(3)
     masses: list[Mass] = []
     pieces: list[Piece] = []
