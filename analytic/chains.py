@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import beam
-from analytic.beam import Coefficients, coefficients
 from analytic.kinematics import Limbs
 from analytic.mechanism import Mechanism
+from analytic.rod_elements import Coefficients, Properties, coefficients, properties
 from analytic.theory import Theory
-from analytic.waves import Sections, sections
+from analytic.waves import paper_rods
 
 Floats = NDArray[np.float64]
 
@@ -26,9 +26,9 @@ WEAK = 1e-3
 
 
 @lru_cache(maxsize=32)
-def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Sections, Coefficients, Floats]:
-    """Return what poses share: the limbs' sections, their elements', `turning` of their axes."""
-    rods = sections(mechanism, theory)
+def _fixed(mechanism: Mechanism, theory: Theory) -> tuple[Properties, Coefficients, Floats]:
+    """Return what poses share: the limbs' rods, their elements', `turning` of their axes."""
+    rods = properties(paper_rods(mechanism), theory).alike()
     return rods, coefficients(rods), turning(mechanism.axes)
 
 
@@ -42,7 +42,7 @@ class Chains:
     """
 
     elements: int
-    rods: Sections
+    rods: Properties
     common: Coefficients
     lengths: Floats
     frames: Floats
@@ -127,7 +127,7 @@ class Chains:
     @property
     def limb_scale(self) -> float:
         """Omega^2 of the softest limb's first bending mode between pins, (pi / L)^4 EI / rho A."""
-        return float(((np.pi / self.lengths) ** 4 * self.rods.EI / self.rods.line_mass).min())
+        return float(((np.pi / self.lengths) ** 4 * self.rods.EI[:, 0] / self.rods.mass).min())
 
 
 def chains(mechanism: Mechanism, limbs: Limbs, elements: int, theory: Theory) -> Chains:

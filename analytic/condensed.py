@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +18,11 @@ from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kernel import compiled
 from analytic.mechanism import Mechanism
-from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, check_poses
 from analytic.reduced import Constants, Floats, Reduced, constants, geometry, reduced
-from analytic.theory import Theory
+from analytic.theory import OfTheory, Theory
 from analytic.wittrick_williams import Characteristic
-
-if TYPE_CHECKING:
-    from analytic.continuum import Continuum
 
 Loop = Callable[..., Any]
 
@@ -52,7 +48,7 @@ LEVELS = 6
 
 
 @dataclass(frozen=True)
-class Condensed:
+class Condensed(OfTheory):
     """The models that `condensed_frequencies` condenses, as one more model.
 
     `elements` a limb, or None for exact limbs; `beam` and `shear` choose the theory (see `Theory`);
@@ -68,22 +64,7 @@ class Condensed:
     def __post_init__(self) -> None:
         if self.elements is not None:
             whole("elements", self.elements, at_most=MOST_ELEMENTS)
-        Theory(self.beam, self.shear)
-
-    @property
-    def theory(self) -> Theory:
-        """The beam theory of the limbs."""
-        return Theory(self.beam, self.shear)
-
-    def info(self) -> Info:
-        """Return what the model is."""
-        return self.theory.info()
-
-    def limit(self) -> Continuum:
-        """Return the exact model of the same theory."""
-        from analytic.continuum import Continuum  # which takes its frequencies from here
-
-        return Continuum(self.beam, self.shear)
+        super().__post_init__()
 
     def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
         """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count)."""
@@ -103,13 +84,14 @@ class Condensed:
         Raises `InputError` for a pose out of reach, and `ArithmeticError` where that model's own
         frequencies differ by more than 1e-9.
         """
+        from analytic.continuum import Continuum  # which takes its frequencies from here
         from analytic.substructure import Substructure
 
         begin = time.perf_counter()
         found = self.frequencies(mechanism, pose, count)
         solved = time.perf_counter()
         full = (
-            self.limit()
+            Continuum(self.beam, self.shear)
             if self.elements is None
             else Substructure(self.elements, self.beam, self.shear)
         ).modes(mechanism, pose, count)

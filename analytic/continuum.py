@@ -20,7 +20,7 @@ from analytic.model import Info
 from analytic.modes import STATIONS, Modes, check_count
 from analytic.pose import Pose, one_pose
 from analytic.reduced import Constants, constants
-from analytic.theory import Theory
+from analytic.theory import OfTheory
 from analytic.wittrick_williams import Characteristic, Floats, characteristic, of_limbs
 
 MOST = 10_000
@@ -30,7 +30,7 @@ REPEATED = 1e-9
 
 
 @dataclass(frozen=True)
-class Continuum:
+class Continuum(OfTheory):
     """Every limb a continuous beam: the limit s -> infinity of `Substructure`.
 
     `beam` and `shear` choose the theory (see `Theory`). Raises `InputError` for unknown names.
@@ -38,14 +38,6 @@ class Continuum:
 
     beam: str = "euler-bernoulli"
     shear: str | float = "cowper"
-
-    def __post_init__(self) -> None:
-        Theory(self.beam, self.shear)
-
-    @property
-    def theory(self) -> Theory:
-        """The beam theory of the limbs."""
-        return Theory(self.beam, self.shear)
 
     @property
     def elements(self) -> None:

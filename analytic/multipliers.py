@@ -19,11 +19,10 @@ from analytic.eigen import hertz, largest, lowest_modes
 from analytic.errors import InputError
 from analytic.lanczos import factor, is_sparse, lowest
 from analytic.mechanism import Mechanism
-from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, one_pose
 from analytic.substructure import DENSE, few, limbs_at_one, solved
-from analytic.theory import Theory
+from analytic.theory import OfTheory
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +31,7 @@ BASES = ("revolute", "free")
 
 
 @dataclass(frozen=True)
-class Multipliers:
+class Multipliers(OfTheory):
     """M u'' + K u + C^T mu = 0, C u = 0: what Section 3.2 sets its method against (refs. 14, 17).
 
     u holds all nodes of all limbs, 6 (s+1) a limb of `elements` s, and the platform's six. C has
@@ -64,20 +63,11 @@ class Multipliers:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elements", few(self.elements))
-        Theory(self.beam, self.shear)
+        super().__post_init__()
         if self.solver not in SOLVERS:
             raise InputError("solver", self.solver, f"one of {', '.join(SOLVERS)}")
         if self.base not in BASES:
             raise InputError("base", self.base, f"one of {', '.join(BASES)}")
-
-    @property
-    def theory(self) -> Theory:
-        """The beam theory of the elements."""
-        return Theory(self.beam, self.shear)
-
-    def info(self) -> Info:
-        """Return what the model is."""
-        return self.theory.info()
 
     def limit(self) -> Continuum | None:
         """Return the exact model of the same theory; None if the base is free."""

@@ -1,11 +1,11 @@
-"""Beam elements of rods with any section: the statics exact, one derivation for all theories.
+"""Two-node beam elements of rods with any section: Euler-Bernoulli, Rayleigh and Timoshenko in one.
 
-As `beam`, with bending in two planes: a node has [u_x, u_y, u_z, phi_x, phi_y, phi_z] in limb axes,
-z along the rod; bending that moves u_x turns by phi_y = u_x', and bending that moves u_y by
-phi_x = -u_y'.
+A node has [u_x, u_y, u_z, phi_x, phi_y, phi_z] in limb axes, z along the rod. The interpolation is
+the exact static one (Przemieniecki 1968; Friedman and Kosmatka 1993), with
+Phi = 12 EI / (kappa G A h^2); Phi = 0 gives Hermite's cubics.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,8 @@ from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
 
+# An element's dofs are those of its nodes in turn. Bending in the plane z-x moves (u_x, phi_y) with
+# phi_y = u_x'; in the plane z-y (u_y, phi_x) with phi_x = -u_y', hence the signs.
 BENDING = (((0, 4, 6, 10), (1.0, 1, 1, 1)), ((1, 3, 7, 9), (1.0, -1, 1, -1)))
 """An element's dofs (w, theta, w, theta) and their signs, of either plane."""
 AXIAL, TORSION = (2, 8), (5, 11)
@@ -24,7 +26,7 @@ AXIAL, TORSION = (2, 8), (5, 11)
 
 @dataclass(frozen=True)
 class Properties:
-    """What rods resist and weigh; every entry has shape (n,), those of two planes (n, 2).
+    """What rods resist and weigh; every entry has shape (n,), of bending in two planes (n, 2).
 
     Attributes: `EA` [N], `GJ` and `EI` of motion along x and along y [N m^2], `mass` rho A [kg/m],
     `polar` rho (Ix + Iy), `rotary` rho I of either plane [kg m] (zero without rotary inertia),
@@ -38,6 +40,11 @@ class Properties:
     polar: Floats
     rotary: Floats
     shear: Floats
+
+    def alike(self) -> "Properties":
+        """Return those of rods that bend alike in both planes, said once: (n, 1)."""
+        own = {name: getattr(self, name)[:, :1] for name in ("EI", "rotary", "shear")}
+        return replace(self, **own)
 
 
 def properties(rods: list[Rod], theory: Theory) -> Properties:
@@ -98,54 +105,106 @@ def shear_coefficients(rod: Rod, theory: Theory) -> tuple[float, float]:
     return kappa, kappa
 
 
-@lru_cache(maxsize=1)
-def _patterns() -> tuple[Floats, Floats]:
-    """Return entries of K_e and M_e without what depends on the rod, (14, 144) and (38, 144).
+def deflection(xi: Floats) -> Floats:
+    """Return w at `xi` (k,) in 0..1 for unit (w, h theta) of both nodes, shape (2, k, 4).
 
-    Of either plane, one row for every power of h that rotations bring (0 to 2) times one of Phi (0
-    to 2); then the bar and the shaft. M has those of w^2, of theta^2, then these two.
+    The sum of both parts, the second times Phi, over 1 + Phi.
+    """
+    x = xi
+    return np.array(
+        [
+            [2 * x**3 - 3 * x**2 + 1, x**3 - 2 * x**2 + x, 3 * x**2 - 2 * x**3, x**3 - x**2],
+            [1 - x, (x - x**2) / 2, x, (x**2 - x) / 2],
+        ]
+    ).swapaxes(1, 2)
+
+
+@lru_cache(maxsize=2)
+def _patterns(planes: int) -> Floats:
+    """Return K_e and M_e side by side without what depends on the rod, (27 `planes` + 4, 288).
+
+    Of bending in a plane (of both alike, where `planes` is 1) one row for every power of h that
+    rotations bring (0 to 2) times every one of Phi (0 to 2): of the strain energy, of rho A w^2 and
+    of rho I theta^2. Then K_e's bar and shaft, and M_e's. Gauss's four points integrate exactly.
     """
     points, weights = np.polynomial.legendre.leggauss(4)
     x, weights = (points + 1) / 2, weights / 2
     one = np.ones_like(x)
 
     def parts(a: Floats) -> Floats:
-        square = np.einsum("g,pig,qjg->pqij", weights, a, a)
+        """Return int (a_0 + Phi a_1)(a_0 + Phi a_1)^T dxi by powers of Phi, (3, 4, 4)."""
+        square = np.einsum("g,pgi,qgj->pqij", weights, a, a)
         return np.stack([square[0, 0], square[0, 1] + square[1, 0], square[1, 1]])
 
-    w = np.array([
-        [2 * x**3 - 3 * x**2 + 1, x**3 - 2 * x**2 + x, 3 * x**2 - 2 * x**3, x**3 - x**2],
-        [1 - x, (x - x**2) / 2, x, (x**2 - x) / 2],
-    ])  # fmt: skip
-    theta = np.array([
+    rotation = np.array([
         [6 * (x**2 - x), 3 * x**2 - 4 * x + 1, 6 * (x - x**2), 3 * x**2 - 2 * x],
         [0 * x, 1 - x, 0 * x, x],
-    ])  # fmt: skip
+    ]).swapaxes(1, 2)  # fmt: skip
     curvature = np.array(
         [[12 * x - 6, 6 * x - 4, 6 - 12 * x, 6 * x - 2], [0 * x, -one, 0 * x, one]]
-    )
+    ).swapaxes(1, 2)
     # w' - theta = -Phi / (1 + Phi) strain, the same along an element: its shear force is constant.
     strain = np.array([1, 0.5, -1, 0.5])
     stiffness = parts(curvature)
     stiffness[1] += 12 * np.outer(strain, strain)
     turns = np.add.outer([0, 1, 0, 1], [0, 1, 0, 1])
+    rows = np.zeros((27 * planes + 4, 2, 12, 12))
+    for plane, (dofs, sign) in enumerate(BENDING):
+        first = 27 * (plane % planes)
+        own = rows[first : first + 27].reshape(3, 3, 3, 2, 12, 12)  # energy, turn, Phi
+        for kind, of in enumerate((stiffness, parts(deflection(x)), parts(rotation))):
+            for turn in range(3):
+                where = np.where(turns == turn, of * np.outer(sign, sign), 0.0)
+                own[kind, turn, :, min(kind, 1)][np.ix_(range(3), dofs, dofs)] = where
+    for matrix, line in ((0, [[1, -1], [-1, 1]]), (1, [[1 / 3, 1 / 6], [1 / 6, 1 / 3]])):
+        for k, own_dofs in enumerate((AXIAL, TORSION)):
+            rows[27 * planes + 2 * matrix + k, matrix][np.ix_(own_dofs, own_dofs)] = line
+    return rows.reshape(-1, 288)
 
-    def bending(of: Floats, plane: int) -> Floats:
-        placed = np.zeros((3, 3, 12, 12))
-        dofs, sign = BENDING[plane]
-        for turn in range(3):
-            where = np.where(turns == turn, of * np.outer(sign, sign), 0.0)
-            placed[turn][np.ix_(range(3), dofs, dofs)] = where
-        return placed.reshape(9, 144)
 
-    def line(matrix: list[list[float]]) -> Floats:
-        placed = np.zeros((2, 12, 12))
-        placed[0][np.ix_(AXIAL, AXIAL)] = placed[1][np.ix_(TORSION, TORSION)] = matrix
-        return placed.reshape(2, 144)
+# Of every pattern of bending the power of h, then that of Phi, which is flexibility / h^2.
+_OF_H = np.repeat([0.0, 1.0, 2.0], 3)
+_OF_PHI = np.tile([0.0, 1.0, 2.0], 3)
 
-    K = [bending(stiffness, 0), bending(stiffness, 1), line([[1, -1], [-1, 1]])]
-    M = [bending(of, plane) for plane in (0, 1) for of in (parts(w), parts(theta))]
-    return np.concatenate(K), np.concatenate([*M, line([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])])
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What elements of the same rods share, whatever their length.
+
+    Attributes: `factors` (n, k) and `powers` (k,): every pattern of K_e and M_e is multiplied by
+    factor h^power, those of bending by 1 / (1 + Phi)^2 besides; `flexibility` 12 EI / (kappa G A)
+    of these (n, k - 4), or (n, 1) of all; `patterns` (k, 288).
+    """
+
+    factors: Floats
+    powers: Floats
+    flexibility: Floats
+    patterns: Floats
+
+    def matrices(self, lengths: Floats) -> Floats:
+        """Return what `element_matrices` does."""
+        h = lengths[:, None]
+        values = self.factors * h**self.powers
+        values[:, :-4] /= (1 + self.flexibility / (h * h)) ** 2
+        return np.asarray((values @ self.patterns).reshape(-1, 2, 12, 12).swapaxes(0, 1))
+
+
+def coefficients(rods: Properties) -> Coefficients:
+    """Return what elements of these `rods` share."""
+    n, planes = rods.EI.shape
+    flexibility = 12 * rods.shear[..., None]
+    phi = flexibility**_OF_PHI
+    mass = np.broadcast_to(rods.mass[:, None], (n, planes))
+    bending = np.stack([rods.EI, mass, rods.rotary], axis=2)[..., None] * phi[:, :, None]
+    line = np.stack([rods.EA, rods.GJ, rods.mass, rods.polar], axis=1)
+    own = _OF_H - 2 * _OF_PHI
+    powers = np.tile(np.concatenate([own - 3, own + 1, own - 1]), planes)
+    return Coefficients(
+        np.hstack([bending.reshape(n, -1), line]),
+        np.concatenate([powers, [-1.0, -1.0, 1.0, 1.0]]),
+        np.repeat(flexibility[..., 0], 27, axis=1) if planes > 1 else flexibility[..., 0],
+        _patterns(planes),
+    )
 
 
 def element_matrices(rods: Properties, lengths: Floats) -> Floats:
@@ -154,19 +213,4 @@ def element_matrices(rods: Properties, lengths: Floats) -> Floats:
     `lengths` h (n,) [m]. K = int EI theta' theta' + kappa G A (w' - theta)^2, M = int rho A w^2 +
     rho I theta^2, besides a linear bar (EA, rho A) and shaft (GJ, rho (Ix + Iy)).
     """
-    K, M = _patterns()
-    h = lengths
-    n = len(h)
-    stiff, heavy = np.empty((n, 20)), np.empty((n, 38))
-    turned = np.stack([np.ones_like(h), h, h * h], axis=-1)
-    for plane in (0, 1):
-        phi = 12 * rods.shear[:, plane] / (h * h)
-        grid = np.stack([np.ones_like(phi), phi, phi * phi], axis=-1) / ((1 + phi) ** 2)[:, None]
-        powers = (turned[:, :, None] * grid[:, None, :]).reshape(n, 9)
-        stiff[:, 9 * plane : 9 * plane + 9] = powers * (rods.EI[:, plane] / h**3)[:, None]
-        heavy[:, 18 * plane : 18 * plane + 9] = powers * (rods.mass * h)[:, None]
-        rotary = powers * (rods.rotary[:, plane] / h)[:, None]
-        heavy[:, 18 * plane + 9 : 18 * plane + 18] = rotary
-    stiff[:, 18], stiff[:, 19] = rods.EA / h, rods.GJ / h
-    heavy[:, 36], heavy[:, 37] = rods.mass * h, rods.polar * h
-    return np.stack([stiff @ K, heavy @ M]).reshape(2, n, 12, 12)
+    return coefficients(rods).matrices(lengths)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy
@@ -22,13 +22,9 @@ from analytic.errors import count as whole
 from analytic.kinematics import Limbs, limbs_at
 from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
-from analytic.model import Info
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, check_poses, one_pose
-from analytic.theory import Theory
-
-if TYPE_CHECKING:
-    from analytic.continuum import Continuum
+from analytic.theory import OfTheory
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +36,7 @@ EXACT = 8
 
 
 @dataclass(frozen=True)
-class Substructure:
+class Substructure(OfTheory):
     """Eqs. (4)-(24) with `elements` s a limb.
 
     `beam` and `shear` choose the theory (see `Theory`; the paper: Euler-Bernoulli). `solver` is
@@ -55,24 +51,9 @@ class Substructure:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elements", few(self.elements))
-        Theory(self.beam, self.shear)
+        super().__post_init__()
         if self.solver not in SOLVERS:
             raise InputError("solver", self.solver, f"one of {', '.join(SOLVERS)}")
-
-    @property
-    def theory(self) -> Theory:
-        """The beam theory of the elements."""
-        return Theory(self.beam, self.shear)
-
-    def info(self) -> Info:
-        """Return what the model is."""
-        return self.theory.info()
-
-    def limit(self) -> Continuum:
-        """Return the exact model of the same theory."""
-        from analytic.continuum import Continuum  # which needs the platform's mass from here
-
-        return Continuum(self.beam, self.shear)
 
     def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
         """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count).

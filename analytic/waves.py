@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError
-from analytic.mechanism import Mechanism
+from analytic.mechanism import Mechanism, Rod
+from analytic.rod_elements import properties
 from analytic.theory import Theory
 
 Array = NDArray[Any]
@@ -41,27 +42,24 @@ class Sections:
 
 
 def sections(mechanism: Mechanism, theory: Theory) -> Sections:
-    """Return the limbs' sections under `theory`.
+    """Return the limbs' sections under `theory`; raises as `paper_rods`."""
+    rods = paper_rods(mechanism)
+    of = properties(rods, theory).alike()
+    young, shear, density = np.array(
+        [(rod.material.young, rod.material.shear, rod.material.density) for rod in rods]
+    ).T
+    bending = of.EI[:, 0], of.mass, of.rotary[:, 0], 12 * of.shear[:, 0]
+    return Sections(of.EA, *bending, young / density, shear / density)
+
+
+def paper_rods(mechanism: Mechanism) -> list[Rod]:
+    """Return the rods of the paper's limbs.
 
     Raises `InputError` for other limbs than the paper's, or a centre of mass off o.
     """
     if any(mechanism.platform.centre):
         raise InputError("Platform.centre", mechanism.platform.centre, "o itself for this model")
-    rods = [limb.rod for limb in mechanism.limbs]
-    rotary = 1.0 if theory.rotary_inertia else 0.0
-    rows = [
-        (
-            rod.material.young * rod.area,
-            rod.material.young * rod.second_moment,
-            rod.material.density * rod.area,
-            rotary * rod.material.density * rod.second_moment,
-            theory.shear_flexibility(rod),
-            rod.material.young / rod.material.density,
-            rod.material.shear / rod.material.density,
-        )
-        for rod in rods
-    ]
-    return Sections(*np.array(rows).T)
+    return [limb.rod for limb in mechanism.limbs]
 
 
 @dataclass(frozen=True)

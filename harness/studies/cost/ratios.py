@@ -16,13 +16,12 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import Continuum, Mechanism, Multipliers, Pose, Substructure, limbs_at
-from analytic.beam import element_matrices
 from analytic.chains import turning
 from analytic.condensed import condensed_frequencies
 from analytic.kernel import compiled
+from analytic.rod_elements import element_matrices, properties
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import Theory
-from analytic.waves import sections
 from harness.cases import Case
 from harness.presets import PAPER_ELEMENTS
 from harness.tables import Cell, Number, Table
@@ -56,7 +55,10 @@ class Ratio:
 def plain_pair(mechanism: Mechanism, pose: Pose, s: int) -> tuple[Array, Array]:
     """Return K and M of Eq. (22) as one would write them: limb by limb, B^T K B with B = T H Q."""
     theory, limbs, n = Theory("euler-bernoulli", "cowper"), limbs_at(mechanism, pose), 6 * (s + 1)
-    rods, turns = sections(mechanism, theory), turning(mechanism.axes)
+    rods, turns = (
+        properties([limb.rod for limb in mechanism.limbs], theory),
+        turning(mechanism.axes),
+    )
     kept, size = 6 * s - 2, len(limbs.lengths) * (6 * s - 2) + 6
     K, M = np.zeros((size, size)), np.zeros((size, size))
     elements = element_matrices(rods, limbs.lengths / s)
