@@ -60,6 +60,32 @@ def element_modes(
     )  # fmt: skip
 
 
+def held_modes(
+    mechanism: Mechanism, pose: Pose, theory: Theory, elements: int, below: float
+) -> Modes | None:
+    """Return the modes below a frequency [Hz] of limbs whose platform is held, `elements` a rod.
+
+    None where there is none. Motions of limbs' own that need no energy are left out. Raises as
+    `element_modes`.
+    """
+    begin = time.perf_counter()
+    problem = exact(mechanism, one_pose(mechanism, pose), theory)
+    net = problem.split(elements)
+    K, M = problem.pair(net)
+    built = time.perf_counter()
+    own = slice(0, net.size - 6)
+    values, U = scipy.linalg.eigh(K[own, own], M[own, own])
+    kept = slice(problem.spins, int((values < (2 * np.pi * below) ** 2).sum()))
+    values = np.maximum(values[kept], 0.0)
+    if not len(values):
+        return None
+    U = np.vstack([U[:, kept], np.zeros((6, len(values)))])
+    return _modes(
+        problem, net, U, values, np.zeros(len(values)), "substructure", "rps-bench, platform held",
+        elements, theory, mechanism, (begin, built),
+    )  # fmt: skip
+
+
 def exact_modes(mechanism: Mechanism, pose: Pose, theory: Theory, count: int) -> Modes:
     """Return the `count` lowest modes without elements, each the middle of a counted bracket.
 

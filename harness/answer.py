@@ -14,7 +14,7 @@ from analytic.model import Info, Model
 from analytic.pairing import mass_vectors
 from analytic.placed import place
 from harness.causes import RICHEST
-from harness.declared import COARSE, SAME, STILL, asked, keeps, torsion
+from harness.declared import COARSE, SAME, STILL, alone, asked, keeps
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated
@@ -250,14 +250,17 @@ def _seen(off: Array, held: Array) -> Array:
 def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: Pose) -> None:
     """Refuse modes whose `mass`, of centre lines and platform, is not scaled to one.
 
-    A mode that moves neither is a limb that twists alone, and none does below its first own
-    frequency.
+    A mode that moves neither is of a limb alone, which twists or turns a body, and none does below
+    its first own frequency.
     """
     still = mass < STILL**2
-    twisting = still & (modes.frequencies > torsion(mechanism, pose).min() / COARSE)
-    wrong = still & ~(twisting & info.torsion)
+    wrong = still
+    if still.any() and info.torsion:
+        highest = COARSE * float(modes.frequencies.max())
+        wrong = still & (modes.frequencies <= alone(mechanism, pose, highest) / COARSE)
     if wrong.any():
-        raise ModelError(f"mode {int(wrong.argmax()) + 1} moves nothing, and no rod twists there")
+        number = int(wrong.argmax()) + 1
+        raise ModelError(f"mode {number} moves nothing, and no rod twists or body turns there")
     # Far up, sections may turn and lines hardly move.
     low = ~still & (np.cumsum(~still) <= LOWEST)
     light = low & (mass < LIGHTEST)

@@ -10,15 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import Mechanism, Modes, Pose, limbs_at
+from analytic.chain_models import held_modes
 from analytic.model import Info
 from analytic.pairing import mass_vectors, pair
+from analytic.theory import Theory
 from reference_models import ModelError
 
 Array = NDArray[np.float64]
 SPARE = 2
 """Further modes of the theory, for what a model has in the place of those it misses."""
 STILL = 1e-3
-"""Below this root of a modal mass a mode moves neither line nor platform: a limb twists alone."""
+"""Below this root of a modal mass a mode moves neither line nor platform: a limb moves alone."""
 CLEAR = 4
 """Neighbours further apart than this many deviations are told apart."""
 REPEATED = 1e-6
@@ -29,19 +31,29 @@ SAME = 1e-6
 """Largest relative difference of a model without elements from the exact limit."""
 COARSE = 2.0
 """Largest factor by which the coarsest mesh misses the lowest frequency."""
+PARTS = 4
+"""Elements a rod by which limbs' own motions are found: torsion by half a per cent."""
 TRUSTED = 20.0
 """An extrapolated frequency is at most so many times the largest uncertainty from its limit."""
 
 
-def torsion(mechanism: Mechanism, pose: Pose) -> Array:
-    """Return the lowest frequency of each limb that twists alone, shape (n,) [Hz].
+def alone(mechanism: Mechanism, pose: Pose, below: float) -> float:
+    """Return the lowest frequency at which a limb moves and neither its line nor the platform [Hz].
 
-    f = sqrt(G / rho) / 4 L of a rod fixed at B_i and free at A_i; the next are 3, 5 ... times it.
+    Of the paper's limbs a rod that twists, fixed at B_i and free at A_i, f = sqrt(G / rho) / 4 L.
+    Elsewhere bodies turn on springs too: the lowest such mode of limbs whose platform is held.
+    Infinity where there is none `below` a frequency [Hz].
     """
-    lengths = limbs_at(mechanism, pose).lengths
-    each = [[rod.material for rod in limb.rods] for limb in mechanism.limbs]
-    speed = np.array([min(np.sqrt(m.shear / m.density) for m in rods) for rods in each])
-    return np.asarray(speed / (4 * lengths))
+    if mechanism.simple:
+        lengths = limbs_at(mechanism, pose).lengths
+        of = [limb.rod.material for limb in mechanism.limbs]
+        speeds = np.array([np.sqrt(material.shear / material.density) for material in of])
+        return float((speeds / (4 * lengths)).min())
+    held = held_modes(mechanism, pose, Theory("timoshenko", "cowper"), PARTS, below)
+    if held is None:
+        return np.inf
+    size = np.linalg.norm(mass_vectors(held, mechanism, pose), axis=1)
+    return float(held.frequencies[size < 10 * STILL].min(initial=np.inf))
 
 
 def asked(mechanism: Mechanism, count: int) -> int:

@@ -14,10 +14,13 @@ from harness.answer import checked
 from harness.bench import Bench
 from harness.case_file import load_cases
 from harness.cases import PRESETS
+from harness.declared import alone
 from harness.history.duck import connect
 from harness.request import Request
 from harness.studies import refinement
+from harness.studies.slenderness import with_rods
 from reference_models import ModelError, Named
+from reference_models.exudyn.beam import ExudynBeam
 
 # Every class of tests/plugin/wrong.py, and what the sentence about it must say.
 WRONG = {
@@ -171,6 +174,21 @@ def test_what_an_answer_must_satisfy(spoil: Callable[[Modes], Modes], says: str)
     assert (same.frequencies == modes.frequencies).all() and (same.limbs == modes.limbs).all()
     with np.errstate(invalid="ignore"), pytest.raises(ModelError, match=says):
         checked(spoil(modes), info, mechanism, pose, 8)
+
+
+def test_a_carriage_that_turns_alone_is_a_mode_only_where_it_can() -> None:
+    """Three of a 3-PRS do about their hinges, on their springs: k / (J + m c^2) of each."""
+    case = with_rods(load_cases(MECHANISMS)["prs"], 0.15)
+    info = ExudynBeam.info()
+    modes = ExudynBeam(4).modes(case.mechanism, case.pose, 9)
+    turns = float(np.sqrt(6e5 / (0.05 + 12 * 0.015**2)) / (2 * np.pi))
+    assert modes.frequencies[8] == pytest.approx(turns, rel=1e-7)
+    assert alone(case.mechanism, case.pose, 1000.0) == pytest.approx(turns, rel=1e-9)
+    assert alone(case.mechanism, case.pose, 500.0) == np.inf
+    checked(modes, info, case.mechanism, case.pose, 9)
+    still = replace(modes, platform=0 * modes.platform, limbs=0 * modes.limbs)
+    with pytest.raises(ModelError, match="mode 1 moves nothing, and no rod twists or body turns"):
+        checked(still, info, case.mechanism, case.pose, 9)
 
 
 def test_a_limb_that_twists_alone_is_a_mode_only_where_it_can() -> None:
