@@ -8,7 +8,7 @@ from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
 from analytic.pairing import Pairing, pair
 from harness.answer import NotTakenError, believed
-from harness.cases import Case
+from harness.case import Case
 from harness.rows import mode_rows, settings
 from harness.workers import LIMIT, Children, Failure, Task, attempt
 from reference_models import ModelError

@@ -20,6 +20,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -36,14 +37,24 @@ from analytic.mechanism import (
     has_poisson,
     shear_range,
 )
-from harness.cases import PRESETS, Case
+from harness.case import Case
 from harness.chain_file import POSE, UNITS, chain_mechanism, materials, read_pose, rods
-from harness.paper import CASES, folder, names, read_paper, read_table
+from harness.paper import CASES, CHECKED, folder, names, read_paper
 from reference_models import parse
 
 Table = dict[str, Any]
+OF_PAPER = ("published", "errata", "title")
+"""The keys that a case of a paper may have beside those of every case."""
 DIGITS = 4300
 """Digits of a whole number that Python reads at most."""
+
+
+@cache
+def presets() -> dict[str, Case]:
+    """Return the cases of the paper that is checked, by name."""
+    path = folder(CHECKED)
+    assert path is not None, "it is shipped"
+    return _of_paper(path)
 
 
 def load_cases(path: Path) -> dict[str, Case]:
@@ -52,10 +63,26 @@ def load_cases(path: Path) -> dict[str, Case]:
     `path`: a file, the folder of a paper, or the name of one that is shipped.
     """
     of = folder(str(path))
-    if of is not None:
-        cases, paper = load_cases(of / CASES), read_paper(of)
-        printed = read_table(of, list(cases))
-        return {k: replace(one, paper=paper, printed=printed[k]) for k, one in cases.items()}
+    if of is not None and of == folder(CHECKED):
+        return presets()
+    cases = _read(path) if of is None else _of_paper(of)
+    for name in cases:
+        if name in presets():
+            raise InputError(f"cases.{name}", name, "a name that no built-in case has")
+    return cases
+
+
+def _of_paper(path: Path) -> dict[str, Case]:
+    cases = {
+        name: replace(case, published=case.published or name)
+        for name, case in _read(path / CASES, *OF_PAPER).items()
+    }
+    paper = read_paper(path, list(dict.fromkeys(case.published for case in cases.values())))
+    return {name: replace(case, paper=paper) for name, case in cases.items()}
+
+
+def _read(path: Path, *more: str) -> dict[str, Case]:
+    """Return the cases of a file; they have the keys `more` beside the usual ones."""
     try:
         text = path.read_text(encoding="utf-8-sig")
         data = tomllib.loads(text)
@@ -82,7 +109,7 @@ def load_cases(path: Path) -> dict[str, Case]:
         where = f"mechanisms.{name}"
         mechanisms[name] = chain_mechanism(table, where, known) if own else _mechanism(table, where)
     cases = {
-        name: _case(name, table, mechanisms, str(path))
+        name: _case(name, table, mechanisms, str(path), more)
         for name, table in _tables(data, "cases").items()
     }
     if not cases:
@@ -127,11 +154,13 @@ def _one_of(table: Table, where: str, key: str, default: str, names: Iterable[st
     return name
 
 
-def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str) -> Case:
+def _case(
+    name: str, table: Table, mechanisms: dict[str, Mechanism], source: str, more: tuple[str, ...]
+) -> Case:
     where = f"cases.{name}"
-    _only(table, where, "mechanism", *POSE, "model", "note")
-    if name in PRESETS or "," in name:
-        raise InputError(where, name, "a name without commas that no built-in case has")
+    _only(table, where, "mechanism", *POSE, "model", "note", *more)
+    if "," in name:
+        raise InputError(where, name, "a name without commas")
     mechanism = _one_of(table, where, "mechanism", "paper", mechanisms)
     z = table.get("z_mm", 0.0)
     if isinstance(z, (int, float)) and abs(z) > LARGEST * 1000:
@@ -139,7 +168,9 @@ def _case(name: str, table: Table, mechanisms: dict[str, Mechanism], source: str
     pose = read_pose(table, where)
     note = str(table.get("note", f"{mechanism} of {source}"))
     theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
-    return Case(name, mechanisms[mechanism], pose, note, theory)
+    published, title = (str(table.get(key, "")) for key in ("published", "title"))
+    errata = tuple(map(str, table.get("errata", ())))
+    return Case(name, mechanisms[mechanism], pose, note, theory, published, errata, title)
 
 
 def _mechanism(table: Table, where: str) -> Mechanism:

@@ -8,9 +8,8 @@ from numpy.typing import NDArray
 
 from analytic.model import Model
 from analytic.pairing import Pairing
-from harness import published
 from harness.bench import Study, label
-from harness.cases import Case
+from harness.case import Case
 from harness.tables import Number
 
 Array = NDArray[np.float64]
@@ -95,15 +94,15 @@ def at(values: Array, shown: Sequence[int]) -> Array:
 def case_notes(cases: Sequence[Case]) -> list[str]:
     """Return what was read or fitted in each case, and the errata that explain it."""
     notes = [f"{case.name}: {case.note}" for case in cases]
-    for paper in dict.fromkeys(case.paper for case in cases if case.paper is not None):
-        notes += [paper.citation, paper.note] if paper.note else [paper.citation]
-        notes += [f"{what} is printed, read as: {reading}" for _, what, reading in paper.errata]
     wanted = {key for case in cases for key in case.errata}
-    return notes + [
-        f"erratum {erratum.id} ({erratum.where}): {erratum.evidence}"
-        for erratum in published.errata()
-        if erratum.id in wanted
-    ]
+    for paper in dict.fromkeys(case.paper for case in cases if case.paper is not None):
+        if wanted:
+            notes += [f"erratum {one.id} ({one.where}): {one.evidence}"
+                      for one in paper.errata if one.id in wanted]  # fmt: skip
+            continue
+        notes += [paper.citation, paper.note] if paper.note else [paper.citation]
+        notes += [f"{one.statement} is printed, read as: {one.reading}" for one in paper.errata]
+    return notes
 
 
 def pairing_notes(

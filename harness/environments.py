@@ -14,7 +14,7 @@ import numpy as np
 from analytic import Info, InputError, Modes
 from harness.answer import checked
 from harness.bench import SPARE, Listener, ModesTask, Silent, label
-from harness.cases import Case
+from harness.case import Case
 from harness.tables import Cell, Number, Table
 from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse

@@ -1,29 +1,40 @@
-"""A published table as data: one folder is all that table, budget, claims and identify take.
+"""A paper as data: one folder is all that table, budget, claims and identify take.
 
 The folder holds `cases.toml` (mechanisms and cases, as in any case file), `table.csv` (case,
-method, mode, frequency_hz, where), `paper.toml` (authors, title, source, year, note), and where
-there are any `claims.toml` and `errata.toml`.
+method, mode, frequency_hz, where; perhaps error_percent), `paper.toml` (authors, title, source,
+year; note, url), and where there are any `claims.toml`, `errata.toml`, `fig3.csv` (errors against
+elements), `cost.csv` (times) and others that its claims need.
 """
 
 import csv
 import math
 import tomllib
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields
 from decimal import Decimal, InvalidOperation
+from functools import cached_property
+from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from analytic import InputError
 
+CHECKED = "gong-lou-2023"
+"""The paper that this bench is about."""
 CASES, TABLE, ABOUT = "cases.toml", "table.csv", "paper.toml"
 COLUMNS = ("case", "method", "mode", "frequency_hz", "where")
 KEYS = ("authors", "title", "source", "year")
-CHECKS = {
+MORE = ("note", "url")
+FORMS = {
     "printed": ("case", "method", "within_percent"),
     "difference": ("case", "method", "against", "at_most_percent"),
 }
-"""What a claim of such a folder can say, and what it must state for it."""
+"""What a claim of any paper can say, and what it must state for it."""
+FEA, THEORETICAL, ERROR = TABLE_ONE = ("FEA", "Theoretical", "Error (%)")
+"""The rows of Table I: the last is the error of the second against the first."""
 _HERE = Path(__file__).parent
+# A wheel carries the data inside the package; a checkout has it under results/.
 SHIPPED = (_HERE / "published_data", _HERE.parent / "results" / "published")
 
 
@@ -31,7 +42,7 @@ SHIPPED = (_HERE / "published_data", _HERE.parent / "results" / "published")
 class Printed:
     """One frequency as printed: by which `method`, of which `mode` (from 1), [Hz], and `where`.
 
-    `half`: half a unit of its last digit [Hz].
+    `half`: half a unit of its last digit [Hz]; `error`: what is printed as its error [%].
     """
 
     method: str
@@ -39,38 +50,146 @@ class Printed:
     frequency: float
     half: float
     where: str
+    error: float | None = None
 
 
 @dataclass(frozen=True)
-class Statement:
-    """A claim of a paper: what is `quoted`, `how` it is checked, by which check with `args`."""
+class Claim:
+    """One statement: what is quoted, how it is checked (`check` with `args`), what shows it."""
 
     id: str
     section: str
     quoted: str
     how: str
     check: str
-    args: tuple[tuple[str, Any], ...]
+    args: Mapping[str, Any]
+    command: str
+    erratum: str = ""
+
+
+CLAIM = {one.name for one in fields(Claim)}
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """One statement of a paper that cannot be taken as printed, and what is read instead."""
+
+    id: str
+    statement: str
+    reading: str
+    where: str = ""
+    evidence: str = ""
+    command: str = ""
 
 
 @dataclass(frozen=True)
 class Paper:
-    """Where a published table is from: `name` of its folder, bibliography, claims and errata."""
+    """A published table and what is said of it, each file of its `folder` read when asked for.
 
-    name: str
+    `table`: what is printed of each case, by its name. Everything raises `InputError` naming the
+    file and the key that is wrong.
+    """
+
+    folder: Path
     authors: str
     title: str
     source: str
     year: int
     note: str = ""
-    claims: tuple[Statement, ...] = ()
-    errata: tuple[tuple[str, str, str], ...] = ()
-    """By id: what is printed, and what is read instead."""
+    url: str = ""
+    table: Mapping[str, tuple[Printed, ...]] = field(default_factory=dict, compare=False)
+
+    @property
+    def name(self) -> str:
+        """What its folder is called."""
+        return self.folder.resolve().name
 
     @property
     def citation(self) -> str:
         """The paper in one line."""
         return f"{self.authors}, {self.title}, {self.source}, {self.year}"
+
+    def toml(self, file: str) -> dict[str, Any]:
+        """Return what a file of the folder says, nothing where there is none."""
+        return _toml(self.folder / file)
+
+    @cached_property
+    def errors(self) -> dict[tuple[str, int, int], float]:
+        """The errors quoted of few elements: (case, elements, mode) to percent."""
+        return _numbers(
+            self.folder / "fig3.csv",
+            "case, elements, mode, error_percent",
+            lambda row: (row["case"], int(row["elements"]), int(row["mode"])),
+            "error_percent",
+        )
+
+    @cached_property
+    def cost(self) -> dict[str, float]:
+        """What the paper says its model costs: quantity to seconds, or percent saved."""
+        file = self.folder / "cost.csv"
+        return _numbers(file, "quantity, value", lambda row: row["quantity"], "value")
+
+    @cached_property
+    def errata(self) -> tuple[Erratum, ...]:
+        """What cannot be taken as printed, in the order of the file."""
+        entries = self.toml("errata.toml").get("erratum", [])
+        known = {one.name for one in fields(Erratum)}
+        return tuple(
+            _made(Erratum, self.folder, {k: v for k, v in entry.items() if k in known})
+            for entry in entries
+        )
+
+    @cached_property
+    def claims(self) -> tuple[Claim, ...]:
+        """Every claim, in the order of the file; an entry with `over` gives one a combination."""
+        file = self.toml("claims.toml")
+        return tuple(
+            claim for entry in file.get("claim", []) for claim in self._claims(entry, file)
+        )
+
+    def _claims(self, entry: dict[str, Any], file: dict[str, Any]) -> Iterator[Claim]:
+        """Yield the claims of an entry; its keys but for those of every claim are their args."""
+        said = {"command": f"rps-bench claims --case-file {self.name}"}
+        said |= {key: value for key, value in entry.items() if key in CLAIM}
+        own = {key: value for key, value in entry.items() if key not in (*said, "over")}
+        check = said.get("check", "")
+        if check in FORMS or "rules" not in file:  # whoever has rules has checks to go with them
+            if check and check not in FORMS:
+                raise InputError(f"claim {said.get('id')}", check, f"one of {', '.join(FORMS)}")
+            for key in FORMS.get(check, ()):
+                if key not in own:
+                    raise InputError(str(self.folder), None, f"the key {key!r} in every such claim")
+            yield _made(Claim, self.folder, said | {"args": own})
+            return
+        over = entry.get("over", {})
+        for values in product(*over.values()):
+            args = own | dict(zip(over, values, strict=True))
+            words = args | {"name": args.get("case", "").replace("case", "Case ")}
+            words["printed"] = self.quoted_number(args)
+            text = {key: value.format(**words) for key, value in said.items()}
+            yield _made(Claim, self.folder, text | {"args": MappingProxyType(args)})
+
+    def quoted_number(self, args: Mapping[str, Any]) -> float:
+        """Return the number that a claim with `args` quotes; NaN if it quotes none."""
+        match args:
+            case {"printed": value}:
+                return float(value)
+            case {"quantity": quantity}:
+                return float(self.cost[quantity])
+            case {"case": case, "mode": mode, "method": method}:
+                return self.row(case, method)[int(mode) - 1]
+            case {"case": case, "mode": mode, "from": few, "to": _}:
+                return self.errors[case, few, mode] - self.row(case, ERROR)[int(mode) - 1]
+            case {"case": case, "mode": mode, "elements": elements}:
+                return self.errors[case, elements, mode]
+        return math.nan
+
+    def row(self, case: str, method: str) -> tuple[float, ...]:
+        """Return what is printed of a case by a method, f1, f2 ... [Hz], or as `ERROR` [%]."""
+        some = self.table.get(case, ())
+        if method == ERROR:
+            return tuple(one.error for one in some if one.error is not None)
+        return tuple(one.frequency for one in some if one.method == method)
 
 
 def folder(text: str) -> Path | None:
@@ -87,46 +206,24 @@ def names() -> list[str]:
     return sorted({path.parent.name for base in SHIPPED for path in base.glob(f"*/{CASES}")})
 
 
-def read_paper(path: Path) -> Paper:
-    """Return the paper of a folder; raises `InputError` naming the file and key that is wrong."""
+def read_paper(path: Path, cases: list[str]) -> Paper:
+    """Return the paper of a folder, whose table is of `cases`."""
     about = _toml(path / ABOUT)
     for key in KEYS:
         if key not in about:
             raise InputError(str(path / ABOUT), None, f"the key {key}")
-    unknown = sorted(about.keys() - {*KEYS, "note"})
+    unknown = sorted(about.keys() - {*KEYS, *MORE})
     if unknown:
-        raise InputError(str(path / ABOUT), unknown[0], f"only the keys {', '.join(KEYS)}, note")
-    claims = _toml(path / "claims.toml").get("claim", [])
-    errata = _toml(path / "errata.toml").get("erratum", [])
-    try:
-        return Paper(
-            name=path.name,
-            **about,
-            claims=tuple(_statement(one) for one in claims),
-            errata=tuple((one["id"], one["statement"], one["reading"]) for one in errata),
-        )
-    except KeyError as error:
-        raise InputError(str(path), None, f"the key {error} in every claim and erratum") from None
+        raise InputError(str(path / ABOUT), unknown[0], f"only the keys {', '.join(KEYS + MORE)}")
+    return Paper(path, **about, table=_table(path / TABLE, cases))
 
 
-def _statement(entry: dict[str, Any]) -> Statement:
-    check = entry["check"]
-    if check not in CHECKS:
-        raise InputError(f"claim {entry['id']}", check, f"one of {', '.join(CHECKS)}")
-    wanted = CHECKS[check]
-    args = tuple((key, entry[key]) for key in (*wanted, "model") if key != "model" or key in entry)
-    said = {key: entry[key] for key in ("id", "section", "quoted", "how")}
-    return Statement(**said, check=check, args=args)
-
-
-def read_table(path: Path, cases: list[str]) -> dict[str, tuple[Printed, ...]]:
-    """Return what is printed of each of `cases`; raises `InputError` naming what is wrong."""
-    file = path / TABLE
+def _table(file: Path, cases: list[str]) -> dict[str, tuple[Printed, ...]]:
     try:
         reader = csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
     except OSError as error:
         raise InputError("table", str(file), f"a readable file ({error.strerror})") from None
-    if tuple(reader.fieldnames or ()) != COLUMNS:
+    if tuple(name for name in reader.fieldnames or () if name != "error_percent") != COLUMNS:
         raise InputError("table", str(file), f"the columns {', '.join(COLUMNS)}")
     found: dict[str, list[Printed]] = {name: [] for name in cases}
     for row in reader:
@@ -140,13 +237,36 @@ def _printed(row: dict[str, str], file: Path) -> Printed:
     try:
         text = Decimal(row["frequency_hz"])
         mode, value = int(row["mode"]), float(text)
+        error = float(row["error_percent"]) if row.get("error_percent") else None
     except (InvalidOperation, ValueError, TypeError):
-        text, mode, value = Decimal(0), 0, math.nan
+        text, mode, value, error = Decimal(0), 0, math.nan, None
     if not (math.isfinite(value) and value > 0 and mode > 0):
         said = f"{row['mode']}, {row['frequency_hz']}"
         raise InputError(f"{file}, {row['case']}", said, "a mode from 1, and hertz above zero")
     half = 0.5 * 10.0 ** int(text.as_tuple().exponent)
-    return Printed(row["method"], mode, value, half, row["where"])
+    return Printed(row["method"], mode, value, half, row["where"], error)
+
+
+def _made(kind: type[Any], path: Path, entry: dict[str, Any]) -> Any:
+    """Return a claim or an erratum; raises `InputError` naming a key that is not there."""
+    for one in fields(kind):
+        if one.default is MISSING and one.name not in entry:
+            name = kind.__name__.lower()
+            raise InputError(str(path), None, f"the key {one.name!r} in every {name}")
+    return kind(**entry)
+
+
+def _numbers(
+    file: Path, columns: str, key: Callable[[dict[str, str]], Any], value: str
+) -> dict[Any, float]:
+    """Return a column of numbers by the `key` of their rows, none where there is no file."""
+    if not file.exists():
+        return {}
+    rows = csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
+    try:
+        return {key(row): float(row[value]) for row in rows}
+    except (KeyError, ValueError, TypeError):
+        raise InputError(str(file), None, f"the columns {columns}, with numbers") from None
 
 
 def _toml(file: Path) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from harness.cases import Case
+from harness.case import Case
 from harness.request import Request
 from reference_models import Named
 

@@ -6,7 +6,7 @@ from math import inf, isfinite
 from typing import Any
 
 from analytic import InputError
-from harness.cases import Case
+from harness.case import Case
 from reference_models import Named
 
 

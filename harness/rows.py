@@ -7,7 +7,7 @@ from typing import Any
 
 from analytic import Mechanism, Modes
 from analytic.model import Model
-from harness.cases import Case
+from harness.case import Case
 from harness.poses import columns
 
 MANY_POSES = GATE, MAP, SWEEP = "workspace", "map", "sweep"

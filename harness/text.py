@@ -8,8 +8,9 @@ from typing import Any
 from analytic import InputError
 from analytic.model import Info
 from analytic.theory import Theory
+from harness.case import Case
 from harness.case_file import load_cases
-from harness.cases import Case, select
+from harness.cases import select
 from harness.plan import Plan
 from harness.presets import (
     DEFAULTS,

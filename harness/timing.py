@@ -17,7 +17,7 @@ from analytic import InputError, Mechanism, Modes, Pose
 from analytic.model import Model
 from analytic.pose import closes
 from harness.bench import Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.workers import Failure
 from reference_models import UnavailableError
 from reference_models.spent import recorded

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic import InputError, Modes
 from analytic.pairing import pair
 from harness.bench import SPARE, Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.gate.plan import MODES, Checked, group
 from harness.rows import mechanism_hash
 from harness.studies.refinement import MESHES, verify

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analytic import InputError, Limits, Mechanism, Pose, regular_workspace
 from analytic.model import Model
 from harness.bench import Bench, Study, label
-from harness.cases import Case
+from harness.case import Case
 from harness.gate.yardstick import yardstick, yardstick_row
 from harness.presets import GATE_MAP, GATE_MORE
 from harness.rows import GATE

@@ -15,7 +15,7 @@ from analytic import Mechanism, Pose
 from analytic.model import Model
 from analytic.multipliers import null_space
 from harness.bench import Bench, Study, label
-from harness.cases import Case
+from harness.case import Case
 from harness.gate.equivalents import UNITS, answer, relative, restated
 from harness.gate.plan import MODES, Batch, Checked, batch
 from harness.presets import TWINS

@@ -13,7 +13,7 @@ from analytic.pairing import pair
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import LEAST_SHEAR, Theory
 from harness.bench import SPARE, Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.causes import THEORIES
 from harness.declared import moving
 from harness.gate.equivalents import answer, relative, with_material

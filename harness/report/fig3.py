@@ -2,9 +2,8 @@
 
 from analytic.model import Model
 from analytic.pairing import pair
-from harness import published
 from harness.bench import label
-from harness.cases import Case
+from harness.case import Case
 from harness.compare import relative_error
 from harness.report.material import Material
 from harness.report.section import Json, Section, digits
@@ -55,7 +54,7 @@ def _case(run: Material, case: Case) -> Json:
         "references": {label(one): _described(run, case, one) for one in references},
         "printed": [
             [s, mode, error]
-            for (name, s, mode), error in published.figure3().items()
+            for (name, s, mode), error in (case.paper.errors.items() if case.paper else ())
             if name == case.published
         ],
     }

@@ -3,7 +3,6 @@
 from collections import Counter
 from typing import Any
 
-from harness import published
 from harness.bench import label
 from harness.report import pictures
 from harness.report.material import Material
@@ -14,6 +13,8 @@ from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
 
 KEY = "result"
+CITED = ("authors", "title", "source", "year", "url")
+"""What is said of the paper."""
 SHOWN = ("kind", "model", "case", "mode", "quantity", "before", "after", "tolerance", "verdict",
          "cause")  # fmt: skip
 """What of a finding of the gate is shown, if it has it."""
@@ -23,17 +24,16 @@ def section(run: Material, fig3: Json | None) -> Section:
     """Return the section; the gate's answer, `gate`, is put in when the page is made."""
     cases = run.plan.cases
     table = next(iter(run.of(TableOne)), None)
-    paper = published.paper() if any(case.published for case in cases) else None
+    papers = [vars(case.paper) for case in cases if case.paper and case.published]
+    ours = any(case.prints_errors for case in cases)
     names = ", ".join(case.name for case in cases)
-    what = (
-        "A published model of the 3-RPS manipulator" if paper else f"{names}: natural frequencies"
-    )
+    what = "A published model of the 3-RPS manipulator" if ours else f"{names}: natural frequencies"
     counts = Counter(one["kind"] for one in verdicts(run))
     context = {
-        "paper": paper,
+        "paper": {name: papers[0][name] for name in CITED} if papers else None,
         "heading": f"{what}, checked against independent simulators",
         "finding": _finding(table) if table else [],
-        "answers": _answers(run, table if paper else None),
+        "answers": _answers(run, table if ours else None),
         "verdicts": [
             {"kind": n, "count": counts[n], "said": n if counts[n] == 1 else MANY.get(n, n)}
             for n in VERDICTS
@@ -72,8 +72,8 @@ def _answers(run: Material, printed: TableOne | None) -> list[Json]:
         said["Against what?"] = [f"{'; '.join(references)}."]
     if printed:
         study, first = printed.study, printed.theories[0]
-        known = [case for case in study.complete(first) if case.published]
-        errata = {one.id: one.evidence for one in published.errata()}
+        known = [case for case in study.complete(first) if case.prints_errors]
+        errata = {one.id: one.evidence for case in known if case.paper for one in case.paper.errata}
         said["Where does the paper contradict itself?"] = [
             # How far off they are is in Table I.
             *(against_print(study, first, known)[::2] if known else []),

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from analytic import Modes
 from analytic.model import Model
 from harness.bench import SPARE, label
-from harness.cases import Case
+from harness.case import Case
 from harness.plan import Plan
 from harness.report.ledger import Ledger, answer, environment
 from harness.reproduce import Part

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.cases import Case
+from harness.case import Case
 from harness.drawing import at, drawn, seen
 from harness.report.section import Json
 

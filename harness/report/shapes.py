@@ -6,7 +6,7 @@ import numpy as np
 
 from analytic.model import Model
 from harness.bench import label
-from harness.cases import Case
+from harness.case import Case
 from harness.drawing import AMPLITUDE, drawn, scale
 from harness.report.material import Material
 from harness.report.section import Json, Section, digits

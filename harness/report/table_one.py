@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 
 from analytic.model import Model
-from harness import published
 from harness.bench import label
-from harness.cases import Case
+from harness.case import Case
 from harness.compare import PERCENT, relative_error
+from harness.paper import CHECKED, TABLE_ONE
 from harness.report.material import Material
 from harness.report.section import Json, Section, number
 from harness.studies.table import TableOne
+from harness.studies.table import printed as printed_row
 
-PRINTED = ("FEA", "Theoretical", "Error (%)")
 DIGITS = 3
 
 
@@ -41,7 +41,7 @@ def _row(head: str, about: str, kind: str, cells: Sequence[Any]) -> Json:
 
 
 def _rows(run: Material, table: TableOne, case: Case) -> list[Json]:
-    rows = [_printed(run, table, case, method) for method in PRINTED if case.published]
+    rows = [_printed(run, table, case, method) for method in TABLE_ONE if case.prints_errors]
     for theory in table.theories:
         ours = table.study.first(case, theory)
         if ours is None:
@@ -49,8 +49,8 @@ def _rows(run: Material, table: TableOne, case: Case) -> list[Json]:
         record = run.record(case, theory)
         cells = [_hz(ours.frequencies[i - 1], i, theory, case, record) for i in table.shown]
         rows.append(_row(label(theory), ours.theory, "theory", cells))
-        if case.published:
-            printed = np.array(published.table1()[case.published, "Theoretical"])
+        if case.prints_errors:
+            printed = printed_row(case)
             off = relative_error(ours.frequencies[: len(printed)], printed[: len(ours.frequencies)])
             made, what = "theoretical / printed theoretical", f"{label(theory)} against printed (%)"
             cells = _errors(run, table, case, f"100 ({made} - 1)", what, [record], off)
@@ -77,9 +77,9 @@ def _rows(run: Material, table: TableOne, case: Case) -> list[Json]:
 
 
 def _printed(run: Material, table: TableOne, case: Case, method: str) -> Json:
-    values = published.table1()[case.published, method]
+    values = printed_row(case, method)
     unit = "%" if "%" in method else "Hz"
-    source = {"File": "results/published/table1.csv", "Where": "Table I of the paper"}
+    source = {"File": f"results/published/{CHECKED}/table.csv", "Where": "Table I of the paper"}
     record = run.ledger.add(f"Printed: {method}, {case.published}", source)
     cells = [
         number(f"{values[i - 1]:.2f}", f"{values[i - 1]!r} {unit}",

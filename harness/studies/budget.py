@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic import InputError
 from analytic.theory import BEAMS
 from harness.bench import Bench, Study
-from harness.cases import Case
+from harness.case import Case
 from harness.causes import effects, exact_chain
 from harness.compare import (
     at,

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from harness import published
 from harness.bench import Bench, Study
-from harness.cases import Case
+from harness.case import Case
 from harness.compare import (
     at,
     case_notes,
@@ -86,7 +85,8 @@ class Convergence(Result):
 
     def quoted(self, case: Case, s: int) -> list[float | None]:
         """Return what the paper quotes with Fig. 3 of the modes shown."""
-        return [published.figure3().get((case.published, s, i)) for i in self.shown]
+        errors = {} if case.paper is None else case.paper.errors
+        return [errors.get((case.published, s, i)) for i in self.shown]
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, s and mode: the error, and what the paper quotes."""
@@ -233,7 +233,7 @@ def convergence_figure(result: Convergence) -> "Figure":
             axes.yaxis.set_major_formatter("{x:g}")
             axes.yaxis.set_minor_formatter(NullFormatter())
     row[0].set_ylabel(f"{'discretisation' if own else 'relative'} error [%]")
-    if not own and any(case.published for case in cases):
+    if not own and any(case.paper and case.paper.errors for case in cases):
         row[-1].plot([], [], "*", color="0.3", ms=11, mec="white", label="quoted in the paper")
     row[-1].legend(fontsize=9, ncols=2)
     return figure

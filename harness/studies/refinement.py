@@ -14,7 +14,7 @@ import numpy as np
 from analytic import InputError
 from harness.answer import FREE
 from harness.bench import Bench, Study, label
-from harness.cases import Case
+from harness.case import Case
 from harness.causes import THEORIES, exact
 from harness.compare import at_most, cell, cells, failure_notes, match, relative_error
 from harness.plan import Plan

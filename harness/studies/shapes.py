@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
-from harness.cases import Case
+from harness.case import Case
 from harness.compare import Match, at, failure_notes, match
 from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
 from harness.figures import COLOURS

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analytic import InputError, Mechanism, Rod, Section, limbs_at
 from analytic.mechanism import Item
 from harness.bench import Bench, Study
-from harness.cases import Case
+from harness.case import Case
 from harness.causes import THEORIES, exact
 from harness.compare import at, cells, failure_notes, match
 from harness.figures import look, panels

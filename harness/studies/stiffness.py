@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analytic import InputError, Joint, Mechanism, Pose, Rod, Stiffness, stiffness
 from harness.bench import Bench
-from harness.cases import Case
+from harness.case import Case
 from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.poses import cells, columns, headings, named, used

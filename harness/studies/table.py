@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.model import Model
-from harness import published
 from harness.bench import Bench, Study, label
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.causes import effects, exact_chain
 from harness.compare import (
     PERCENT,
@@ -28,6 +28,7 @@ from harness.compare import (
     relative_error,
     span,
 )
+from harness.paper import TABLE_ONE, THEORETICAL, Paper
 from harness.plan import Plan
 from harness.printed import against_paper, printed_table
 from harness.request import Request
@@ -42,9 +43,10 @@ AGREES = 0.1
 """Two sets of figures agree if none differs by more than this [%]: ten times Table I's rounding."""
 
 
-def printed(case: Case, method: str = "Theoretical") -> Array:
+def printed(case: Case, method: str = THEORETICAL) -> Array:
     """Return the row of Table I that `case` stands for, f1-f6 [Hz or %]."""
-    return np.array(published.table1()[case.published, method])
+    assert case.paper is not None, "it is printed"
+    return np.array(case.paper.row(case.published, method))
 
 
 @dataclass(frozen=True)
@@ -77,11 +79,12 @@ class TableOne(Result):
         for theory in self.theories:
             ending = f"-{label(theory)}" if len(self.theories) > 1 else ""
             found[f"-references{ending}"] = self._references(theory)
-        if any(case.printed for case in self.study.cases):
+        if any(case.printed and not case.prints_errors for case in self.study.cases):
             found["-printed"] = printed_table(self.study, self.theories)
         if self.readings:
             found["-readings"] = readings_table(self.readings)
-            found["-errata"] = errata_table()
+            papers = (case.paper for one in self.readings for case in one.cases if case.paper)
+            found["-errata"] = errata_table(next(papers))
         found["-seen"] = seen_table(self.references, self.absent)
         return found | {"-provenance": provenance_table(self.study)}
 
@@ -122,9 +125,9 @@ class TableOne(Result):
 
     def _printed(self, case: Case, theory: Model) -> Rows:
         ours = self.study.get(case, theory)
-        if ours is None or not case.published or max(self.shown) > 6:
+        if ours is None or not case.prints_errors or max(self.shown) > 6:
             return
-        for method in ("FEA", "Theoretical", "Error (%)"):
+        for method in TABLE_ONE:
             values = cells(at(printed(case, method), self.shown), PERCENT)
             yield case.name, f"printed: {method}", *values
         off = relative_error(at(ours.frequencies, self.shown), at(printed(case), self.shown))
@@ -154,7 +157,7 @@ class TableOne(Result):
     def sentences(self) -> list[str]:
         """Return what elements and theory cost, and what agrees with the printed table."""
         theory = self.theories[0]
-        known = [case for case in self.study.complete(theory) if case.published]
+        known = [case for case in self.study.complete(theory) if case.prints_errors]
         lines = causes(self.study, theory)
         lines += against_print(self.study, theory, known) if known else []
         lines += against_paper(self.study, theory)
@@ -185,7 +188,7 @@ def run(request: Request, bench: Bench) -> TableOne:
 
 def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: also every reading of the paper, if its cases are asked."""
-    paper = any(case.published for case in plan.cases)
+    paper = any(case.prints_errors for case in plan.cases)
     return {"table1": plan.request(options={"readings": paper})}
 
 
@@ -233,9 +236,9 @@ def seen_table(references: Sequence[Model], absent: Mapping[str, str]) -> Table:
     return Table("What each reference can see", columns, tuple(rows))
 
 
-def errata_table() -> Table:
+def errata_table(paper: Paper) -> Table:
     """Return the errata list: what is printed, what is done instead, and why."""
-    rows = tuple((e.id, e.where, e.statement, e.reading, e.evidence) for e in published.errata())
+    rows = tuple((e.id, e.where, e.statement, e.reading, e.evidence) for e in paper.errata)
     return Table("Errata of the paper", ("Id", "Where", "Printed", "Read as", "Evidence"), rows)
 
 
@@ -260,7 +263,7 @@ def against_print(study: Study, theory: Model, known: Sequence[Case]) -> list[st
 
 def _not_following(case: Case) -> list[str]:
     """Return the modes whose printed error is not 100 (theory - FEA) / FEA, rounded."""
-    fea, ours, error = (printed(case, row) for row in ("FEA", "Theoretical", "Error (%)"))
+    fea, ours, error = (printed(case, row) for row in TABLE_ONE)
     # Half a unit of the last digit, and what binary fractions add to it.
     off = np.abs(relative_error(ours, fea) - error) > 0.00501
     return [f"f{i + 1} of {case.name}" for i in np.flatnonzero(off)]

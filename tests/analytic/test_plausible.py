@@ -17,7 +17,8 @@ from analytic import (
     UnlikelyWarning,
     unlikely,
 )
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 
 STEEL = Material(200e9, 77e9, 7820.0)
 

@@ -10,7 +10,7 @@ import pytest
 import harness
 from analytic import Continuum, InputError, Mechanism, Pose, Substructure
 from harness import study
-from harness.cases import Case
+from harness.case import Case
 from reference_models import Named
 
 MINE = """

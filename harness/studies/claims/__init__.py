@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from analytic import InputError
 from harness.bench import Bench
+from harness.paper import Claim
 from harness.plan import Plan
 from harness.request import Option, Request
 from harness.result import Result
@@ -16,9 +18,9 @@ from harness.studies.claims import (
     check_cost,
     check_equations,
     check_models,
+    check_paper,
     check_printed,
     check_workspace,
-    papers,
 )
 from harness.studies.claims.data import (
     COLUMNS,
@@ -26,12 +28,12 @@ from harness.studies.claims.data import (
     KINDS,
     MANY,
     RULES,
+    TABLE,
     WORDS,
     Args,
-    Claim,
     Finding,
     Outcome,
-    claims,
+    checked,
     select,
 )
 from harness.studies.claims.facts import PAPER, Facts, UnmeasuredError
@@ -39,10 +41,10 @@ from harness.tables import Table
 from reference_models import UnavailableError
 
 
-def _only(text: str) -> tuple[Claim, ...]:
+def _only(text: str) -> list[str]:
     from harness.text import split
 
-    return tuple(select(split("only", text)))
+    return split("only", text)
 
 
 TAKES = ("case_file",)
@@ -53,7 +55,14 @@ LONG = 10
 """More claims than this are a long list."""
 CHECKS: dict[str, Callable[[Facts, Args], Outcome]] = {
     name: check
-    for module in (check_cost, check_equations, check_models, check_printed, check_workspace)
+    for module in (
+        check_cost,
+        check_equations,
+        check_models,
+        check_paper,
+        check_printed,
+        check_workspace,
+    )
     for name, check in vars(module).items()
     if getattr(check, "__module__", "") == module.__name__ and not name.startswith("_")
 }
@@ -121,9 +130,10 @@ class Claims(Result):
 def find(claim: Claim, facts: Facts) -> Finding:
     """Return what a claim's check finds, in the words of findings.toml.
 
-    Raises what `Facts` raises where a figure that it asks for cannot be measured.
+    Raises `InputError` for a claim of a case or method that is not there, and what `Facts` raises
+    where a figure that it asks for cannot be measured.
     """
-    verdict, values = CHECKS[claim.check](facts, claim.args)
+    verdict, values = CHECKS[claim.check](facts, {**claim.args, "id": claim.id})
     known = {**vars(facts), **vars(RULES), "paper": PAPER.label, **claim.args, **values}
     words = {HOLDS: HOLDS} | WORDS[claim.check]
     said = (words[key].format(**known) for key in ("measured", "uncertainty", verdict))
@@ -148,9 +158,12 @@ def run(request: Request, bench: Bench) -> Claims:
     statements are about the paper's own mechanism; with the folder of another paper as --case-file,
     they are those of its claims.toml.
     """
-    if not all(case.published for case in request.cases):
-        return Claims(*papers.judged(request.cases, bench))
-    return judge(request.options["only"] or claims(), Facts(bench))
+    paper, only = request.cases[0].paper, request.options["only"]
+    if paper is None or not paper.claims or not all(case.published for case in request.cases):
+        names = ", ".join(case.name for case in request.cases)
+        raise InputError("case_file", names, "the folder of a paper with claims.toml")
+    chosen = paper.claims if only is None else select(only, paper.claims)
+    return judge(chosen, Facts(bench, TABLE if paper == checked() else request.cases))
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from harness.cases import PRESETS
-from harness.studies.claims.check_printed import ERROR, FEA, THEORETICAL
-from harness.studies.claims.data import RULES, Args, Outcome, outcome, quoted_number
+from harness.paper import ERROR, FEA, THEORETICAL
+from harness.studies.claims.data import CASES, RULES, Args, Outcome, checked, outcome
 from harness.studies.claims.facts import (
-    CASES,
     EXACT,
     PAPER,
     STEPS,
@@ -87,7 +86,7 @@ def largest_error(facts: Facts, args: Args) -> Outcome:
         value, own = found[k, :, m]
         words.append(f"{value:.3f} % ({CASES[k]}, f{modes[m]}) against {r.label}")
         owns.append(f"{own:.3f} % of {r.label}")
-        within[r.label] = value <= quoted_number(args) + RULES.rounding + own
+        within[r.label] = value <= checked().quoted_number(args) + RULES.rounding + own
         causes.append(_causes(facts, CASES[k], PAPER, modes[m] - 1))
     return _among(within, words="; ".join(words), owns="; ".join(owns), causes=causes[0])
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from harness.studies.claims.data import RULES, Args, Outcome, outcome
-from harness.studies.claims.facts import CASES, Facts, Floats
+from harness.paper import ERROR, FEA, THEORETICAL
+from harness.studies.claims.data import CASES, RULES, Args, Outcome, outcome
+from harness.studies.claims.facts import Facts, Floats
 
-FEA, THEORETICAL, ERROR = "FEA", "Theoretical", "Error (%)"
 EDGE = 1e-9
 """A printed value on the very edge of its rounding counts as inside."""
 INSIDE = RULES.rounding + EDGE

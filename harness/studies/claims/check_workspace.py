@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from harness.cases import PRESETS
-from harness.studies.claims.data import RULES, Args, Outcome, outcome
-from harness.studies.claims.facts import CASES, Facts
+from harness.studies.claims.data import CASES, RULES, Args, Outcome, outcome
+from harness.studies.claims.facts import Facts
 
 
 def _span(facts: Facts, suffix: str = "") -> tuple[float, float]:

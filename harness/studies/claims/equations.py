@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
-from harness.cases import Case
+from harness.case import Case
 
 Floats = NDArray[np.float64]
 SIZES = range(1, 9)

@@ -3,7 +3,6 @@
 SI units unless a name says otherwise.
 """
 
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,12 +14,14 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from analytic import Limits, Pose, Substructure, limbs_at
-from harness import published
 from harness.bench import Bench, Study
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.causes import THEORIES as NAMES
 from harness.compare import match
+from harness.paper import TABLE_ONE
 from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, PAPER_MODEL, STAND_IN, solid_truth
+from harness.studies.claims.data import CASES, TABLE, checked
 from harness.studies.claims.equations import equations
 from harness.studies.cost.work import FORMULATIONS, counted
 from harness.studies.precision import SOLVERS, timed_rows
@@ -32,9 +33,6 @@ from harness.timing import Timed, Way, time_ways
 from reference_models import Named, UnavailableError, parse
 
 Floats = NDArray[np.float64]
-CASES = ("case1", "case2")
-"""The two of Table I."""
-TABLE = tuple(PRESETS[name] for name in CASES)
 PAPER = PAPER_MODEL
 THEORIES = tuple(Named(name, None) for name in NAMES)
 EXACT, _, TIMOSHENKO = THEORIES
@@ -107,9 +105,10 @@ class Facts:
         `table` by case and row, `figure3` by case, s and mode, `cost`, and `matrices` by equation:
         "columns", and by "rows" each one's widths, as (a, b) for a s + b.
         """
+        paper = checked()
         return SimpleNamespace(
-            table=published.table1(), figure3=published.figure3(), cost=published.cost(),
-            matrices=tomllib.loads(published.text("equations.toml")),
+            table={(name, row): paper.row(name, row) for name in CASES for row in TABLE_ONE},
+            figure3=paper.errors, cost=paper.cost, matrices=paper.toml("equations.toml"),
         )  # fmt: skip
 
     def _sound(self, failures: Iterable[str]) -> None:
@@ -123,6 +122,11 @@ class Facts:
         self.solved += study.rows()
         self._sound(f"{m.label}: {why}" for (_, m), why in study.failures.items())  # type: ignore[attr-defined]
         return study
+
+    def solved_for(self, case: Case, model: Named, count: int) -> Floats:
+        """Return the first frequencies of a model at a case [Hz], (count,)."""
+        study = self._kept(self.bench.run([case], [model], count))
+        return study.answers[case, model].frequencies[:count]
 
     def _paired(self, study: Study, case: Case, model: Named) -> tuple[Floats, Floats]:
         """Return f1-f6 and their uncertainty [Hz] in the order of the paper's modes."""

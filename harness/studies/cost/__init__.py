@@ -1,6 +1,6 @@
 """What a frequency costs: build, solve and the rest told apart, beside counted work."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,9 +10,8 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import InputError, Substructure
-from harness import published
 from harness.bench import Bench
-from harness.cases import Case
+from harness.case import Case
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Request
@@ -120,7 +119,8 @@ class Cost(Result):
             "-cores": cores_table(self.many),
             "-peers": peers_table(self.peers),
         }
-        return found | ({"-claims": self._claims_table()} if self.case.published else {})
+        paper = self.case.paper
+        return found | ({"-claims": self._claims_table(paper.cost)} if paper and paper.cost else {})
 
     def _elements_table(self) -> Table:
         rows: list[tuple[Cell, ...]] = []
@@ -164,18 +164,15 @@ class Cost(Result):
         title = "Cost of a pose against the number of poses a call"
         return Table(title, columns, tuple(rows), notes)
 
-    def _claims_table(self) -> Table:
+    def _claims_table(self, said: Mapping[str, float]) -> Table:
         """Return what the paper claims next to what this run measured."""
-        said = published.cost()
         own = self.at(self.theory.name)
         rows: list[tuple[Cell, ...]] = []
         if own is not None:
-            rows.append(_seconds("theoretical model", said["theoretical model"], own))
+            both = {"theoretical model": own, "finite-element model": self.stand_in}
+            rows += [_seconds(name, said.get(name), t) for name, t in both.items() if t is not None]
             if self.stand_in is not None:
-                rows.append(
-                    _seconds("finite-element model", said["finite-element model"], self.stand_in)
-                )
-                rows.append(_saved(said["cost saved"], own, self.stand_in))
+                rows.append(_saved(said.get("cost saved"), own, self.stand_in))
             for rival in filter(None, (self.at(_rival(solver)) for solver in SOLVERS)):
                 rows += [_seconds(rival.way.method, None, rival), _saved(None, own, rival)]
         columns = ("Claim", "Unit", "Paper", "Here", "What was measured")

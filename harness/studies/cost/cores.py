@@ -14,7 +14,7 @@ import numpy as np
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from harness.bench import label
-from harness.cases import Case
+from harness.case import Case
 from harness.tables import Cell, Number, Table
 from harness.timing import poses_around
 from harness.workers import LIMIT, Children, Failure

@@ -8,7 +8,7 @@ import scipy
 from numpy.typing import NDArray
 
 from analytic import Pose, Substructure
-from harness.cases import Case
+from harness.case import Case
 from harness.presets import PAPER_ELEMENTS
 from harness.studies.cost.ratios import plain_pair
 from harness.tables import Cell, Number, Table

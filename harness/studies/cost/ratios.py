@@ -22,7 +22,7 @@ from analytic.kernel import compiled
 from analytic.rod_elements import element_matrices, properties
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import Theory
-from harness.cases import Case
+from harness.case import Case
 from harness.presets import PAPER_ELEMENTS
 from harness.tables import Cell, Number, Table
 from harness.timing import SHIFT, poses_around

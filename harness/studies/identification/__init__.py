@@ -36,7 +36,7 @@ def run(request: Request, bench: Bench) -> "Identification":
 
     given = request.options
     printed = given["table"] == "published"
-    ours = printed and all(case.published for case in request.cases)
+    ours = printed and all(case.prints_errors for case in request.cases)
     if printed:
         table = published_table(given["method"] or "Theoretical", request.cases)
     else:
@@ -71,7 +71,7 @@ def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: of the paper's table; of one's own cases there is none."""
     from reference_models import parse
 
-    if plan.case_file or not all(case.published for case in plan.cases):
+    if plan.case_file or not all(case.prints_errors for case in plan.cases):
         return {}
     theory = parse(DEFAULTS["model"], "model")
     others = tuple(parse(name, "references") for name in DEFAULTS["references"].split(","))

@@ -8,7 +8,7 @@ import numpy as np
 
 from analytic import InputError, Material, Mechanism, Platform, Pose, Rod
 from analytic.designs import Designs
-from harness.cases import Case
+from harness.case import Case
 
 DEGREE = float(np.pi / 180)
 POSE = ("z_mm", "azimuth_deg", "tilt_deg")

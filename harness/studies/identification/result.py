@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.bench import SPARE, Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.compare import cell, cells
 from harness.result import Result
 from harness.rows import mode_rows, settings

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError
-from harness import published
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 
 Floats = NDArray[np.float64]
 
@@ -54,26 +54,13 @@ class FrequencyTable:
 
 
 def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
-    """Return one row a case of the paper's Table I: `method` "Theoretical" or "FEA".
+    """Return what the cases' papers print by `method`, or by their only one: modes 1, 2, ...
 
-    Cases of a paper that is data have its own methods. Raises `InputError` for another method, and
-    for cases that no paper prints.
+    Raises `InputError` for another method, and for cases that no paper prints.
     """
-    if all(case.printed for case in cases):
-        return _of_papers(method, cases)
-    rows = published.table1()
-    if method not in ("Theoretical", "FEA"):
-        raise InputError("method", method, "Theoretical or FEA")
     for case in cases:
-        if not case.published:
+        if not case.printed:
             raise InputError("table", "published", f"a CSV file with frequencies of {case.name}")
-    f = np.array([rows[case.published, method] for case in cases])
-    source = f"the paper's Table I, row {method}"
-    return FrequencyTable(source, tuple(cases), f, np.full(f.shape, 0.01))
-
-
-def _of_papers(method: str, cases: Sequence[Case]) -> FrequencyTable:
-    """Return what the cases' papers print by `method`, or by their only one: modes 1, 2, ..."""
     known = list(dict.fromkeys(one.method for case in cases for one in case.printed))
     chosen = known[0] if len(known) == 1 else method
     if chosen not in known:

@@ -13,7 +13,7 @@ from analytic.errors import count as whole
 from analytic.model import Model
 from analytic.pairing import pair
 from harness.bench import SPARE, Bench, Study, label
-from harness.cases import Case
+from harness.case import Case
 from harness.causes import THEORIES
 from harness.compare import failure_notes, relative_error
 from harness.plan import Plan

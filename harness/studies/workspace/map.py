@@ -12,7 +12,7 @@ from analytic import InputError, Joint, Limits, Mechanism, Modes, Pose, RegularW
 from analytic.model import Model
 from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margins
 from harness.bench import Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.result import Result
 from harness.rows import MAP, mode_rows, settings
 from harness.tables import Table

@@ -10,7 +10,8 @@ import pytest
 
 from analytic import Mechanism, Platform, Pose
 from harness.accepted import SHOWN
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history

@@ -9,7 +9,8 @@ import pytest
 
 from analytic import Material, Mechanism, Platform, Pose, Rod
 from harness.bench import Bench
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.gate import properties as module
 from harness.gate.compare import failures
 from harness.gate.equivalents import EQUIVALENTS, UNITS, noise, relative, restated

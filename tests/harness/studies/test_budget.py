@@ -6,7 +6,8 @@ import pytest
 from analytic import Continuum, Substructure
 from analytic.pairing import pair
 from harness.api import study
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.studies.budget import Budget, meshes
 from harness.studies.refinement import Refinement
 from reference_models import Named

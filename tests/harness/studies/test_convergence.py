@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from analytic import Continuum, Substructure
-from harness import published
 from harness.api import study
+from harness.cases import PRESETS
 from harness.studies.convergence import Convergence
 
 
@@ -45,7 +45,8 @@ def test_the_printed_errors_stand_beside_ours() -> None:
         for row in frame.itertuples()
         if np.isfinite(row.printed_percent)
     }
-    printed = published.figure3()
+    assert PRESETS["case1"].paper is not None
+    printed = PRESETS["case1"].paper.errors
     assert quoted == {
         (s, i): value for (case, s, i), value in printed.items() if case == "case1" and s < 3
     }

@@ -1,6 +1,5 @@
 """Every claim's verdict turns when a model, or what is printed, is another."""
 
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -11,13 +10,13 @@ import pytest
 
 from analytic import Mechanism, Platform
 from analytic.substructure import rigid_arm
-from harness import published
 from harness.cases import PRESETS
+from harness.paper import FORMS, Claim
 from harness.studies.claims import CHECKS, find
 from harness.studies.claims import equations as claims_equations
-from harness.studies.claims.data import FAILS, KINDS, Claim, claims
+from harness.studies.claims.data import CASES, FAILS, KINDS, TABLE, WORDS, checked
 from harness.studies.claims.equations import Formulas, equations, printed_position, printed_rotation
-from harness.studies.claims.facts import CASES, PAPER, TABLE, Facts, Reference, Spent
+from harness.studies.claims.facts import PAPER, Facts, Reference, Spent
 
 SLOW_THEORY = {
     label: Spent(np.full(3, seconds), np.full(3, seconds), coordinates)
@@ -274,7 +273,10 @@ FLIPS: dict[str, Callable[[Facts, Claim], Facts]] = {
 }
 
 
-@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+ASKED = checked().claims
+
+
+@pytest.mark.parametrize("claim", ASKED, ids=lambda claim: claim.id)
 def test_a_wrong_model_turns_the_verdict(
     claim: Claim, facts: Facts, kind: Callable[[Facts, Claim], str], expected: dict[str, str]
 ) -> None:
@@ -283,16 +285,16 @@ def test_a_wrong_model_turns_the_verdict(
 
 
 def test_no_claim_is_left_without_its_flip(expected: dict[str, str]) -> None:
-    ids = [claim.id for claim in claims()]
+    ids = [claim.id for claim in ASKED]
     assert len(ids) == len(set(ids))
     assert set(expected) == set(ids)
-    assert set(FLIPS) == set(CHECKS) == {claim.check for claim in claims()}
+    assert set(FLIPS) == {claim.check for claim in ASKED}
+    assert set(CHECKS) == set(FLIPS) | FORMS.keys()
 
 
 def test_every_check_has_its_words() -> None:
-    words = tomllib.loads(published.text("findings.toml"))
-    assert set(words) == set(CHECKS)
-    for own in words.values():
+    assert set(WORDS) == set(CHECKS)
+    for own in WORDS.values():
         verdicts = own.keys() - {"measured", "uncertainty"}
         assert "otherwise" in verdicts
         assert all(own[name].startswith(KINDS[1:]) for name in verdicts)

@@ -8,34 +8,36 @@ import numpy as np
 import pytest
 
 from analytic import InputError
-from harness import published
 from harness.bench import Bench
 from harness.cases import PRESETS
+from harness.paper import Claim
 from harness.plan import Plan
 from harness.studies import claims as study
-from harness.studies.claims import Claims, facts, judge, papers
-from harness.studies.claims.data import Claim, claims, select
-from harness.studies.claims.facts import CASES, COST_STEPS, PAPER, Facts, UnmeasuredError
+from harness.studies.claims import Claims, facts, judge
+from harness.studies.claims.data import CASES, checked, select
+from harness.studies.claims.facts import COST_STEPS, PAPER, Facts, UnmeasuredError
 from harness.studies.cost.work import counted
 from harness.text import request
 from reference_models import Named
 
+PRINTED = checked()
 
-@pytest.mark.parametrize("claim", claims(), ids=lambda claim: claim.id)
+
+@pytest.mark.parametrize("claim", PRINTED.claims, ids=lambda claim: claim.id)
 def test_what_is_quoted_is_what_is_printed(claim: Claim) -> None:
     number = {"name-3-prs": "3-PRS"}.get(claim.id, "")
     if isinstance(claim.args.get("printed"), float):
         number = f"{claim.args['printed']:g}"
     elif claim.args.get("quantity"):
-        number = f"{published.cost()[claim.args['quantity']]:.2f}"
+        number = f"{PRINTED.cost[claim.args['quantity']]:.2f}"
     elif claim.args.get("method"):
-        row = published.table1()[claim.args["case"], claim.args["method"]]
+        row = PRINTED.row(claim.args["case"], claim.args["method"])
         number = f"{row[claim.args['mode'] - 1]:.2f}"
     assert number in claim.quoted
     # A bar would end a cell of a Markdown table.
     assert "|" not in claim.quoted + claim.how + claim.command
     assert claim.section and claim.how and "{" not in claim.id + claim.quoted + claim.command
-    assert claim.erratum in {"", *(erratum.id for erratum in published.errata())}
+    assert claim.erratum in {"", *(erratum.id for erratum in PRINTED.errata)}
 
 
 def test_its_command_can_be_run() -> None:
@@ -43,7 +45,7 @@ def test_its_command_can_be_run() -> None:
     from harness.cli.study import study_command
     from harness.studies import find
 
-    for claim in claims():
+    for claim in PRINTED.claims:
         program, name, *arguments = claim.command.split()
         assert program == "rps-bench"
         command = study_command(name)
@@ -53,7 +55,7 @@ def test_its_command_can_be_run() -> None:
         }
         asked = request(find(name).load(), texts)
         if name == "claims":
-            assert [one.id for one in asked.options["only"]] == [claim.id]
+            assert asked.options["only"] == [claim.id]
     assert isinstance(command, click.Command)
 
 
@@ -88,13 +90,13 @@ def test_what_a_claim_does_not_need_is_not_measured(bench: Bench) -> None:
     for name, measured in (("time-saved-follows", {"printed"}), ("eq2-plane", {"equations"})):
         own = Facts(bench)
         before = set(vars(own))
-        judge(select([name]), own)
+        judge(select([name], PRINTED.claims), own)
         assert vars(own).keys() - before == measured and own.solved == []
 
 
 def test_an_unknown_claim_is_named() -> None:
     with pytest.raises(InputError, match=r"^only = 'eq99': expected one of the 98 ids"):
-        request(study, {"only": "eq99"})
+        run("eq99", Bench())
 
 
 def test_claims_are_about_the_paper_alone() -> None:
@@ -103,7 +105,7 @@ def test_claims_are_about_the_paper_alone() -> None:
     assert study.jobs(replace(plan, case_file=True)) == {}
     mine = replace(PRESETS["case1"], name="mine", published="")
     with pytest.raises(InputError, match=r"case_file = 'mine': expected the folder of a paper"):
-        papers.judged([mine], Bench())
+        study.run(replace(request(study, {}), cases=(mine,)), Bench())
 
 
 def test_what_is_solved_is_rows_of_the_history(bench: Bench) -> None:
@@ -144,7 +146,7 @@ def test_what_was_not_measured_leaves_its_claims_unchecked(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(facts, "solid_truth", lambda names: None)
-    asked = select(["time-saved-follows", "table1-case1-fea-f1"])
+    asked = select(["time-saved-follows", "table1-case1-fea-f1"], PRINTED.claims)
     result = judge(asked, Facts(bench, fea=None))
     assert [one.claim.id for one in result.found] == ["time-saved-follows"]
     ((name, why),) = result.failures().items()

@@ -12,7 +12,8 @@ from analytic import (
     Rod,
 )
 from harness.bench import Bench
-from harness.cases import PRESETS, Case
+from harness.case import Case
+from harness.cases import PRESETS
 from harness.studies import identification
 from harness.studies.identification.parameters import INERTIAS, PARAMETERS, described
 from harness.studies.identification.problem import Problem
