@@ -2,7 +2,7 @@
 
 The folder holds `cases.toml` (mechanisms and cases, as in any case file), `table.csv` (case,
 method, mode, frequency_hz, where; perhaps error_percent), `paper.toml` (authors, title, source,
-year; note, url), and where there are any `claims.toml`, `errata.toml`, `fig3.csv` (errors against
+year; note, url, called), and where there are any `claims.toml`, `errata.toml`, `fig3.csv` (errors against
 elements), `cost.csv` (times) and others that its claims need.
 """
 
@@ -25,7 +25,7 @@ CHECKED = "gong-lou-2023"
 CASES, TABLE, ABOUT = "cases.toml", "table.csv", "paper.toml"
 COLUMNS = ("case", "method", "mode", "frequency_hz", "where")
 KEYS = ("authors", "title", "source", "year")
-MORE = ("note", "url")
+MORE = ("note", "url", "called")
 FORMS = {
     "printed": ("case", "method", "within_percent"),
     "difference": ("case", "method", "against", "at_most_percent"),
@@ -86,7 +86,8 @@ class Erratum:
 class Paper:
     """A published table and what is said of it, each file of its `folder` read when asked for.
 
-    `table`: what is printed of each case, by its name. Everything raises `InputError` naming the
+    `called`: what sentences call its table, if not by `name`; `table`: what is printed of each case,
+    by its name. Everything raises `InputError` naming the
     file and the key that is wrong.
     """
 
@@ -97,6 +98,7 @@ class Paper:
     year: int
     note: str = ""
     url: str = ""
+    called: str = ""
     table: Mapping[str, tuple[Printed, ...]] = field(default_factory=dict, compare=False)
 
     @property

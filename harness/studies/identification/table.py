@@ -76,8 +76,10 @@ def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
             raise InputError("table", case.name, expected)
     f = np.array([[p.frequency for p in row[:count]] for row in rows])
     step = np.array([[2 * p.half for p in row[:count]] for row in rows])
-    papers = ", ".join(dict.fromkeys(case.paper.name for case in cases if case.paper))
-    return FrequencyTable(f"{papers}, {chosen}", tuple(cases), f, step)
+    papers = ", ".join(
+        dict.fromkeys(case.paper.called or case.paper.name for case in cases if case.paper)
+    )
+    return FrequencyTable(f"{papers}, row {chosen}", tuple(cases), f, step)
 
 
 def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> FrequencyTable:
