@@ -2,8 +2,8 @@
 
 The folder holds `cases.toml` (mechanisms and cases, as in any case file), `table.csv` (case,
 method, mode, frequency_hz, where; perhaps error_percent), `paper.toml` (authors, title, source,
-year; note, url, called), and where there are any `claims.toml`, `errata.toml`, `fig3.csv` (errors against
-elements), `cost.csv` (times) and others that its claims need.
+year; note, url, called), and where there are any `claims.toml`, `errata.toml`, `fig3.csv` (errors
+against elements), `cost.csv` (times) and others that its claims need.
 """
 
 import csv
@@ -86,9 +86,8 @@ class Erratum:
 class Paper:
     """A published table and what is said of it, each file of its `folder` read when asked for.
 
-    `called`: what sentences call its table, if not by `name`; `table`: what is printed of each case,
-    by its name. Everything raises `InputError` naming the
-    file and the key that is wrong.
+    `called`: what sentences call its table, if not by `name`; `table`: what is printed of each
+    case, by its name. Everything raises `InputError` naming the file and the key that is wrong.
     """
 
     folder: Path
