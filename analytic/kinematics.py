@@ -1,5 +1,6 @@
 """The limbs at a pose: lengths, frames, joint angles and the directions they act in, Eq. (3)."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from analytic.mechanism import Mechanism
 from analytic.placed import place
 from analytic.placed import position as chain_position
-from analytic.pose import Closure, Pose, closed, dot
+from analytic.pose import CLOSURE, Closure, Pose, check_poses, closed, dot
 
 Array = NDArray[Any]
 """Real, or complex where a derivative is taken by complex step."""
@@ -67,9 +68,11 @@ def limbs_at(mechanism: Mechanism, pose: Pose) -> Limbs:
     Of other chains, lengths and z axes are from where a limb starts, on its slider, to A_i.
     Raises `InputError` where a joint cannot close (see `position`).
     """
-    if isinstance(mechanism, Mechanism) and isinstance(pose, Pose) and not mechanism.simple:
+    check_poses(mechanism, pose)
+    if not mechanism.simple:
         return _of_chains(mechanism, pose)
-    return limbs_of(mechanism.axes, closed(mechanism, pose))
+    alone = None if pose.shape else _of_one(mechanism, pose)
+    return alone or limbs_of(mechanism.axes, closed(mechanism, pose))
 
 
 def limbs_of(axes: Array, closure: Closure) -> Limbs:
@@ -86,6 +89,42 @@ def limbs_of(axes: Array, closure: Closure) -> Limbs:
     frames = np.empty((*x.shape, 3), dtype=x.dtype)
     frames[..., 0], frames[..., 1], frames[..., 2] = x, _cross(z, x), z
     return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)
+
+
+def _of_one(mechanism: Mechanism, pose: Pose) -> Limbs | None:
+    """Return what `limbs_of` does for a single pose, None where `closed` refuses it.
+
+    Number by number: a step of numpy on so few costs as much as a limb does here.
+    """
+    rotation, placements, z = pose.rotation, mechanism.placements, pose.z
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation.tolist()
+    arms = [
+        (r00 * p + r01 * q + r02 * r, r10 * p + r11 * q + r12 * r, r20 * p + r21 * q + r22 * r)
+        for _, _, (p, q, r) in placements
+    ]
+    x, y = pose.x, pose.y
+    if x is None:
+        x = y = 0.0
+        for (b, e, _), a, (u, v) in zip(placements, arms, mechanism.across.T.tolist(), strict=True):
+            gap = (a[0] - b[0]) * e[0] + (a[1] - b[1]) * e[1] + (a[2] - b[2] + z) * e[2]
+            x, y = x - u * gap, y - v * gap
+    lengths, frames = [], []
+    for ((b0, b1, b2), (e0, e1, e2), _), (a0, a1, a2), longest in zip(
+        placements, arms, mechanism.longest.tolist(), strict=True
+    ):
+        v0, v1, v2 = x + a0 - b0, y + a1 - b1, z + a2 - b2
+        length = math.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
+        if abs(v0 * e0 + v1 * e1 + v2 * e2) > CLOSURE or not CLOSURE < length <= longest:
+            return None
+        z0, z1, z2 = v0 / length, v1 / length, v2 / length
+        x0, x1, x2 = e1 * z2 - e2 * z1, e2 * z0 - e0 * z2, e0 * z1 - e1 * z0
+        # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
+        across = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+        x0, x1, x2 = x0 / across, x1 / across, x2 / across
+        y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
+        lengths.append(length)
+        frames.append(((x0, y0, z0), (x1, y1, z1), (x2, y2, z2)))
+    return Limbs(rotation, *map(np.array, ((x, y, z), arms, lengths, frames)))
 
 
 def _of_chains(mechanism: Mechanism, pose: Pose) -> Limbs:

@@ -221,6 +221,11 @@ class Mechanism:
         if not isinstance(self.platform, Platform):
             raise InputError("Mechanism.platform", self.platform, "a Platform")
 
+    def __hash__(self) -> int:
+        """Return a hash of where the limbs are alone: of every item it takes longer than a pose."""
+        places = ((*limb.base, *limb.platform_point) for limb in self.limbs)
+        return hash((self.platform.mass, *places))
+
     @classmethod
     def regular(
         cls,
@@ -287,6 +292,11 @@ class Mechanism:
     def platform_points(self) -> NDArray[np.float64]:
         """The points A_i, moving frame, shape (n, 3) [m]."""
         return _constant(limb.platform_point for limb in self.limbs)
+
+    @cached_property
+    def placements(self) -> list[tuple[Vector, Vector, Vector]]:
+        """B_i, the revolute axis and A_i of every limb: rows of `bases`, `axes` and the points."""
+        return [(limb.base, limb.axis, limb.platform_point) for limb in self.limbs]
 
     @cached_property
     def simple(self) -> bool:

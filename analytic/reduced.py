@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.chains import rigid_arms
 from analytic.kinematics import limbs_at
 from analytic.limb_modes import DEGREE, limb_modes, units
 from analytic.mechanism import Mechanism
@@ -30,12 +31,14 @@ class Constants:
 
     Attributes: the limbs' `rods` and, `alike`, which of them are equal, with their one rod; `unit`
     (6, 6), by which a row of `Limbs.directions` is multiplied for coordinates in which the
-    platform's mass is 1.
+    platform's mass is 1, and `tips` (n, 3, 6), by which an axis in the moving frame is, for its
+    row there.
     """
 
     rods: Sections
     alike: list[tuple[NDArray[np.intp], Sections]]
     unit: Floats
+    tips: Floats
 
 
 @lru_cache(maxsize=32)
@@ -45,7 +48,7 @@ def constants(mechanism: Mechanism, theory: Theory) -> Constants:
     unit[:3, :3] = np.eye(3) / np.sqrt(mechanism.platform.mass)
     unit[3:, 3:] = np.linalg.inv(np.linalg.cholesky(np.array(mechanism.platform.inertia))).T
     rods = sections(mechanism, theory)
-    return Constants(rods, _alike(rods), unit)
+    return Constants(rods, _alike(rods), unit, rigid_arms(mechanism.platform_points) @ unit)
 
 
 def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Floats, Floats]:
@@ -56,7 +59,7 @@ def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Float
     """
     limbs = limbs_at(mechanism, poses)
     n = limbs.lengths.shape[-1]
-    vectors = limbs.directions.reshape(-1, 6) @ known.unit
+    vectors = limbs.frames.swapaxes(-1, -2) @ limbs.rotation[..., None, :, :] @ known.tips
     return limbs.lengths.reshape(-1, n), vectors.reshape(-1, 3 * n, 6)
 
 
