@@ -11,16 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import certified
-from analytic.correction import MOST_STEPS, SAFETY, Problem, corrected
+from analytic import certified, single
+from analytic.correction import BESIDE, CLOSE, GRADED, MOST_STEPS, SAFETY, Problem, corrected
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
 from analytic.kernel import compiled
+from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, check_poses
-from analytic.reduced import Constants, Floats, Reduced, constants, geometry, reduced
+from analytic.reduced import Constants, Floats, Reduced, constants, first_level, geometry, reduced
 from analytic.theory import OfTheory, Theory
 from analytic.wittrick_williams import Characteristic
 
@@ -28,12 +29,6 @@ Loop = Callable[..., Any]
 
 CHUNK = 350
 """Poses solved at once: what fits into the processor's cache."""
-CLOSE = 1e-3
-"""The last mode wanted stays this far, relative, below where the tables end."""
-BESIDE = 1e-8
-"""How far from the last root, relative in omega^2, modes are counted."""
-GRADED = 1e-6
-"""An eigenvalue below this part of the largest has lost too many digits for 1e-9."""
 AGREED = 1e-9
 """How far, relative, frequencies may be from those of the model they are condensed from."""
 WORTHWHILE = 200_000
@@ -150,6 +145,11 @@ def condensed_frequencies(
     known = constants(mechanism, theory)
     size = math.prod(poses.shape)
     loop = _loop(size, fast)
+    if loop is None and not poses.shape:
+        limbs = limbs_at(mechanism, poses)
+        alone = single.lowest(known, limbs, elements, count, torsion=torsion)
+        if alone is not None:
+            return np.sqrt(alone) / (2 * np.pi)
     result = np.empty((size, count))
     for first in range(0, size, CHUNK):
         some = poses
@@ -221,7 +221,7 @@ def tabulated(
     """
     values = np.full((len(lengths), count), np.inf)
     left = np.arange(len(lengths))
-    level = 1 + max(0, count - 6) // (2 * lengths.shape[1])
+    level = first_level(count, lengths.shape[1])
     for more in range(min(levels, MOST_POLES - level)):
         problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
         if problem is None:

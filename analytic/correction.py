@@ -23,6 +23,13 @@ SAFETY = 4.0
 MOST_STEPS = 5
 """Newton's steps after which a pose is left to the roots by rank."""
 
+CLOSE = 1e-3
+"""The last mode wanted stays this far, relative, below where the tables end."""
+BESIDE = 1e-8
+"""How far from the last root, relative in omega^2, modes are counted."""
+GRADED = 1e-6
+"""An eigenvalue below this part of the largest has lost too many digits for 1e-9."""
+
 
 def corrected(
     problem: Problem, chord: Chord, start: Floats, motion: Floats, count: int

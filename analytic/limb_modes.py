@@ -68,6 +68,44 @@ class LimbModes:
         kept = sum(self.kept)
         return poles[:, :kept], poles[:, kept:], columns
 
+    def scaled(self, lengths: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Return all of a few limbs in SI units, in fewer steps than `at` and `units`.
+
+        Poles and residues (N p,), powers of P (N 3, DEGREE + 1) and 1 / caps (N 3,).
+        """
+        table, exponents = self._dimensioned
+        if len(table) > 1:
+            low, high = _inverse_squares(self.span)
+            u = (2 / lengths**2 - (high + low)) / (high - low)
+            # Chebyshev polynomials, T_k(cos a) = cos(k a).
+            table = np.cos(np.arccos(u)[:, None] * np.arange(len(table))) @ table
+        rows, kept = table * lengths[:, None] ** exponents, sum(self.kept)
+        return (
+            rows[:, :kept].ravel(),
+            rows[:, kept : 2 * kept].ravel(),
+            rows[:, 2 * kept : -3].reshape(-1, DEGREE + 1),
+            rows[:, -3:].ravel(),
+        )
+
+    @cached_property
+    def _dimensioned(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """`table` in SI units, with 1 / `caps`, and the powers of the length it is to be times."""
+        frequency2, stiffness = (of[0] for of in units(self.rod, np.ones(1)))
+        of_frequency2, of_stiffness = np.array([-4, -4, -2]), np.array([-3, -3, -1])
+        k, each = self.direction, np.repeat(np.arange(3), DEGREE + 1)
+        inverse = np.zeros((len(self.table), 3))
+        inverse[0] = 1 / self.caps
+        scales = [frequency2[k], (frequency2 * stiffness)[k], stiffness[each], 1 / frequency2]
+        powers = [of_frequency2[k], (of_frequency2 + of_stiffness)[k], of_stiffness[each],
+                  -of_frequency2]  # fmt: skip
+        table = np.concatenate([self.table, inverse], axis=1) * np.concatenate(scales)
+        return table, np.concatenate(powers).astype(float)
+
+    @cached_property
+    def direction(self) -> NDArray[np.intp]:
+        """The direction of every pole, (p,)."""
+        return np.repeat(np.arange(3), self.kept)
+
     @cached_property
     def columns(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The table's columns: poles and residues (q, 2 p), powers of P (DEGREE + 1, q, 3)."""
@@ -88,14 +126,14 @@ def units(rod: Sections, lengths: Array) -> tuple[Array, Array]:
 
 
 def limb_modes(
-    rod: Sections, lengths: NDArray[np.float64], elements: int | None, level: int
+    rod: Sections, shortest: float, longest: float, elements: int | None, level: int
 ) -> LimbModes | None:
-    """Return tables for `lengths` with `level` poles of each bending direction.
+    """Return tables for lengths in this range with `level` poles of each bending direction.
 
     None where no table is exact: poles of different families may cross within the range.
     """
     # Round the range outward, so that neighbouring calls share a table.
-    low, high = float(lengths.min()) * (1 - 1e-9), float(lengths.max()) * (1 + 1e-9)
+    low, high = shortest * (1 - 1e-9), longest * (1 + 1e-9)
     span = 2 ** (math.floor(4 * math.log2(low)) / 4), 2 ** (math.ceil(4 * math.log2(high)) / 4)
     values = tuple(value.item() for value in vars(rod).values())
     return _limb_modes(values, span, elements, level)

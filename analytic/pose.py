@@ -1,5 +1,6 @@
 """Where the platform is: tilt-and-torsion angles and height, Eqs. (1)-(2)."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -150,16 +151,21 @@ class Pose:
 
 def leaned(azimuth: Any, tilt: Any) -> NDArray[Any]:
     """Return R of Eq. (1) at angles of one shape [rad], real or complex, shape (..., 3, 3)."""
-    c_phi, s_phi = np.cos(azimuth), np.sin(azimuth)
-    c_tilt, s_tilt = np.cos(tilt), np.sin(tilt)
+    alone = isinstance(azimuth, float) and isinstance(tilt, float)
+    cos, sin = (math.cos, math.sin) if alone else (np.cos, np.sin)
+    c_phi, s_phi, c_tilt, s_tilt = cos(azimuth), sin(azimuth), cos(tilt), sin(tilt)
+    both, x, y = c_phi * s_phi * (c_tilt - 1), c_phi * s_tilt, s_phi * s_tilt
+    rows = (
+        (c_phi * c_phi * c_tilt + s_phi * s_phi, both, x),
+        (both, s_phi * s_phi * c_tilt + c_phi * c_phi, y),
+        (-x, -y, c_tilt),
+    )
+    if alone:
+        return np.array(rows)
     R = np.empty((*np.shape(c_phi), 3, 3), dtype=np.result_type(c_phi, c_tilt))
-    R[..., 0, 0] = c_phi * c_phi * c_tilt + s_phi * s_phi
-    R[..., 1, 1] = s_phi * s_phi * c_tilt + c_phi * c_phi
-    R[..., 2, 2] = c_tilt
-    R[..., 0, 1] = R[..., 1, 0] = c_phi * s_phi * (c_tilt - 1)
-    R[..., 0, 2] = c_phi * s_tilt
-    R[..., 1, 2] = s_phi * s_tilt
-    R[..., 2, 0], R[..., 2, 1] = -R[..., 0, 2], -R[..., 1, 2]
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            R[..., i, j] = entry
     return R
 
 

@@ -69,13 +69,13 @@ NODES = 0.03, 0.3, 1.0, 2.0
 """Where P is interpolated, in times of `Reduced.end`: the platform's modes are near the first two
 and the last two, and the chord holds at the first and the third."""
 _U, _ACROSS = np.array(NODES), (np.array(NODES) - NODES[0]) * (np.array(NODES) - 1)
-_CUBIC = np.linalg.inv(np.stack([_U**0, _U, _ACROSS, _ACROSS * _U], axis=1))
+CUBIC = np.linalg.inv(np.stack([_U**0, _U, _ACROSS, _ACROSS * _U], axis=1))
 """From P there to its value at 0, rise and bend: see `Chord`."""
 GROWTH = 10.0
 """Growth of entries in elimination up to which its signs are as good as those of eigenvalues."""
 
 
-THREE, SIX = np.arange(3), np.arange(6)
+SIX = np.arange(6)
 
 
 def negative(D: Floats) -> NDArray[np.int64]:
@@ -118,7 +118,7 @@ class Chord:
 
 def chord(values: Floats, end: Floats) -> Chord:
     """Return the chord by P's entries (4, N, k) at `NODES` times `end` (N,)."""
-    P, rise, constant, by = (_CUBIC @ values.reshape(4, -1)).reshape(values.shape)
+    P, rise, constant, by = (CUBIC @ values.reshape(4, -1)).reshape(values.shape)
     return Chord(P, rise / end[:, None], np.stack([constant, by], axis=1))
 
 
@@ -265,7 +265,8 @@ def reduced(
     poles, residues, owner = [], [], []
     for limbs, rod in known.alike:
         own = lengths[:, limbs]
-        modes = limb_modes(rod, own if span is None else span, elements, level)
+        over = own if span is None else span
+        modes = limb_modes(rod, float(over.min()), float(over.max()), elements, level)
         if modes is None:
             return None
         # What is the same for all lengths is one row.
@@ -277,7 +278,7 @@ def reduced(
         else:
             powers[:, :, limbs] = P
         caps[limbs] = modes.caps
-        direction = np.repeat(THREE, modes.kept)
+        direction = modes.direction
         unit = frequency2[:, limbs][..., direction]
         force = stiffness[:, limbs][..., direction]
         poles.append((x.reshape(*each, -1) * unit).reshape(N, -1))
@@ -292,6 +293,11 @@ def reduced(
         powers.reshape(-1, N, 3 * n),
         (caps * frequency2).reshape(N, 3 * n),
     )
+
+
+def first_level(count: int, limbs: int) -> int:
+    """Return how many bending modes of each kind a limb `count` modes ask for at least."""
+    return 1 + max(0, count - 6) // (2 * limbs)
 
 
 def _alike(rods: Sections) -> list[tuple[NDArray[np.intp], Sections]]:
