@@ -71,12 +71,12 @@ def turn(axis: int, angle: Any) -> Any:
     return R
 
 
-def turned(pose: Pose, angle: float, scale: float = 1.0) -> Pose:
-    """Return the pose of a mechanism turned by `angle` about z [rad] and `scale` times as large."""
-    c, s = scale * np.cos(angle), scale * np.sin(angle)
+def turned(pose: Pose, angle: float) -> Pose:
+    """Return the pose of a mechanism turned by `angle` about z [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
     x, y = pose.x, pose.y
     across = (None, None) if x is None else (c * x - s * y, s * x + c * y)
-    return Pose(scale * pose.z, pose.azimuth + angle, pose.tilt, pose.torsion, *across)
+    return Pose(pose.z, pose.azimuth + angle, pose.tilt, pose.torsion, *across)
 
 
 def named(pose: Pose) -> str:

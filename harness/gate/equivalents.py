@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import Body, Joint, Limb, Link, Material, Mechanism, Pose, Rod, Section
-from analytic.mechanism import Item, Vector
+from analytic import Body, Mechanism, Pose
+from analytic.mechanism import Item
 from analytic.model import Model
 from harness.bench import SPARE, Bench
 from harness.poses import turn, turned
 from harness.workers import Failure
+from reference_models.units import Units
 
 Floats = NDArray[np.float64]
 Changed = tuple[Mechanism, Pose]
@@ -37,99 +38,44 @@ def renumbered(mechanism: Mechanism, pose: Pose) -> Changed:
     return replace(mechanism, limbs=(*others, first)), pose
 
 
-def restated(
-    angle: float = 0.0, length: float = 1.0, mass: float = 1.0, time: float = 1.0
-) -> Change:
-    """Return the change to axes turned by -`angle` [rad] about z, and to other units.
+def turned_axes(angle: float) -> Change:
+    """Return the change to axes turned by -`angle` [rad] about z."""
+    R = turn(2, angle)
 
-    The units are 1 / `length` m, 1 / `mass` kg and `time` s. E [kg / m s^2] and rho [kg / m^3]
-    change with all three, the platform with mass and length.
-    """
-    R, stiffness = turn(2, angle), mass * time**2
-
-    def longer(values: Vector) -> Vector:
-        x, y, z = (length * np.array(values)).tolist()
-        return x, y, z
-
-    def tensor(values: Any, axes: Any) -> Any:
-        found = mass * length**2 * (axes @ np.array(values) @ axes.T)
-        return tuple(tuple(row) for row in ((found + found.T) / 2).tolist())
-
-    def steel(m: Material) -> Material:
-        modulus = mass * time**2 / length
-        return Material(m.young * modulus, m.shear * modulus, m.density * mass / length**3)
-
-    def section(s: Section) -> Section:
-        if s.diameter is not None:
-            return Section.round(length * s.diameter, length * s.bore)
-        first, second = s.second_moments
-        moments = length**4 * first, length**4 * second
-        return Section(length**2 * s.area, moments, length**4 * s.torsion_constant,
-                       s.shear_coefficients)  # fmt: skip
-
-    def item(i: Item) -> Item:
-        if isinstance(i, Joint):
-            kept = (
-                replace(f, stiffness=f.stiffness * stiffness
-                        * (length**2 if f.kind == "rotation" else 1.0))
-                for f in i.freedoms
-            )  # fmt: skip
-            return replace(i, freedoms=tuple(kept))
-        if isinstance(i, Body):
-            return Body(mass * i.mass, tensor(i.inertia, np.eye(3)), longer(i.centre), i.frame)
-        own = None if i.length is None else length * i.length
-        if isinstance(i, Link):
-            return Link(own)
-        return Rod(i.material, section(i.section), own)
+    def item(i: Item) -> Item:  # a body in global axes turns with them too
+        return replace(i, frame="base") if isinstance(i, Body) and i.frame == "global" else i
 
     def change(mechanism: Mechanism, pose: Pose) -> Changed:
-        limbs = []
-        for one in mechanism.limbs:
-            # Bodies in global axes turn with the axes too.
-            fixed = (replace(i, frame="base") if isinstance(i, Body) and i.frame == "global" else i
-                     for i in one.chain)  # fmt: skip
-            limb = replace(one, chain=tuple(fixed)).turned(angle)
-            chain = tuple(map(item, limb.chain))
-            limbs.append(Limb(longer(limb.base), longer(limb.platform_point), chain,
-                              limb.reference))  # fmt: skip
-        body = mechanism.platform
-        x, y, z = (R @ np.array(longer(body.centre))).tolist()
-        platform = replace(
-            body, inertia=tensor(body.inertia, R), mass=mass * body.mass, centre=(x, y, z)
+        limbs = tuple(
+            replace(limb, chain=tuple(map(item, limb.chain))).turned(angle)
+            for limb in mechanism.limbs
         )
-        said, _ = with_material(steel)(Mechanism(tuple(limbs), platform), pose)
-        return said, turned(pose, angle, length)
+        body = mechanism.platform
+        inertia, (x, y, z) = R @ np.array(body.inertia) @ R.T, (R @ np.array(body.centre)).tolist()
+        first, second, third = (tuple(row) for row in ((inertia + inertia.T) / 2).tolist())
+        platform = replace(body, inertia=(first, second, third), centre=(x, y, z))
+        return Mechanism(limbs, platform), turned(pose, angle)
 
     return change
 
 
-def with_material(change: Callable[[Material], Material]) -> Change:
-    """Return the change of every limb's material."""
-
-    def changed(mechanism: Mechanism, pose: Pose) -> Changed:
-        limbs = tuple(
-            replace(limb, chain=tuple(
-                replace(i, material=change(i.material)) if isinstance(i, Rod) else i
-                for i in limb.chain
-            ))
-            for limb in mechanism.limbs
-        )  # fmt: skip
-        return replace(mechanism, limbs=limbs), pose
-
-    return changed
+def in_units(length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Change:
+    """Return the change to units of `length` [m], `mass` [kg] and `time` [s]."""
+    units = Units(length, mass, time)
+    return lambda mechanism, pose: (units.mechanism(mechanism), units.pose(pose))
 
 
 EQUIVALENTS = (
     Equivalent("limbs renumbered", renumbered),
-    Equivalent("axes turned by 57.3 deg", restated(angle=1.0)),
-    Equivalent("axes turned by -131.8 deg", restated(angle=-2.3)),
+    Equivalent("axes turned by 57.3 deg", turned_axes(1.0)),
+    Equivalent("axes turned by -131.8 deg", turned_axes(-2.3)),
     # Not a power of two: every digit changes, also those that a program prints.
-    Equivalent("time unit 1.7 s", restated(time=1.7), 1.7),
+    Equivalent("time unit 1.7 s", in_units(time=1.7), 1.7),
 )
 UNITS = (
     *EQUIVALENTS,
-    Equivalent("mass unit 1/0.3 kg", restated(mass=0.3)),
-    Equivalent("lengths in mm", restated(length=1000.0)),
+    Equivalent("mass unit 1/0.3 kg", in_units(mass=1 / 0.3)),
+    Equivalent("lengths in mm", in_units(length=1e-3)),
 )
 
 

@@ -4,8 +4,9 @@ Every bound is derived: from the rounding of the matrices, from the width of cer
 from the limit itself, or from the precision that a model declares.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain, product
 
 import numpy as np
 import scipy
@@ -16,15 +17,36 @@ from analytic.model import Model
 from analytic.multipliers import null_space
 from harness.bench import Bench, Study, label
 from harness.case import Case
-from harness.gate.equivalents import UNITS, answer, relative, restated
+from harness.gate.equivalents import UNITS, answer, relative, turned_axes
 from harness.gate.plan import MODES, Batch, Checked, batch
 from harness.presets import TWINS
 
 Floats = NDArray[np.float64]
 BATCH = 1e-9
 """What the batch solver promises."""
-Found = tuple[str, Floats, Floats]
-"""Case, deviations and bounds, mode by mode."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What one case shows of a property of a model: relative `deviation` and `bound`, mode by mode.
+
+    `remark`: what the bound comes from.
+    """
+
+    name: str
+    model: str
+    remark: str
+    case: str
+    deviation: Floats
+    bound: Floats
+
+    def worst(self) -> tuple[float, "Property"]:
+        """Return the largest deviation over its bound, and the property at that mode."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratios = np.nan_to_num(self.deviation / self.bound, nan=0.0, posinf=np.inf)
+        i = int(ratios.argmax())
+        numbers = i + 1, float(self.deviation[i]), float(self.bound[i])
+        return float(ratios[i]), Property(self.name, self.model, self.case, *numbers, self.remark)
 
 
 @dataclass(frozen=True)
@@ -46,29 +68,19 @@ class Property:
 
 
 def properties(checked: Checked, bench: Bench) -> list[Property]:
-    """Return every property that the models solved in `checked` can show."""
+    """Return every property that the models solved in `checked` can show, each at its worst."""
     from harness.gate.truths import truths
 
-    return [
-        *_equivalents(checked, bench),
-        *_symmetry(checked.workspace),
-        *_twins(checked, bench),
-        *_batches(checked),
-        *truths(checked, bench),
-    ]
-
-
-def worst(name: str, model: str, found: Iterable[Found], remark: str) -> Iterator[Property]:
-    """Yield the property at its worst: the largest deviation over its bound; none of nothing."""
-    at: list[tuple[float, Property]] = []
-    for case, deviation, bound in found:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratios = np.nan_to_num(deviation / bound, nan=0.0, posinf=np.inf)
-        i = int(ratios.argmax())
-        numbers = i + 1, float(deviation[i]), float(bound[i])
-        at.append((float(ratios[i]), Property(name, model, case, *numbers, remark)))
-    if at:
-        yield max(at, key=lambda one: one[0])[1]
+    found: dict[tuple[str, str], list[tuple[float, Property]]] = {}
+    for seen in chain(
+        _equivalents(checked, bench),
+        _symmetry(checked.workspace),
+        _twins(checked, bench),
+        _batches(checked),
+        truths(checked, bench),
+    ):
+        found.setdefault((seen.name, seen.model), []).append(seen.worst())
+    return [max(some, key=lambda one: one[0])[1] for some in found.values()]
 
 
 def solved(study: Study, case: Case, model: Model) -> Floats:
@@ -114,26 +126,24 @@ def rounding(case: Case, *models: Model) -> Floats:
     )
 
 
-def _equivalents(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _equivalents(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """The same problem in other words, by every model's coarsest mesh and every exact one."""
     plan, study = checked.plan, checked.cases
     models = [ladder[0] for ladder in plan.ladders]
     models += [one for one in plan.singles if not isinstance(one.elements, tuple)]
     for model in dict.fromkeys(models):
         cases = study.complete(model)
-        for one in UNITS:
-            found = []
-            # A slow model is asked where nothing is symmetrical.
-            for case in cases[-1:] if model.info().slow else cases:
-                changed = one.change(case.mechanism, case.pose)
-                again = answer(bench, model, *changed, MODES) / one.factor
-                # Rounding depends on the units: the bound is that of the changed problem.
-                bound = np.maximum(rounding(case, model), precision(model, *changed))
-                found.append((case.name, relative(again, solved(study, case, model)), bound))
-            yield from worst(one.name, label(model), found, "rounding")
+        # A slow model is asked where nothing is symmetrical.
+        for one, case in product(UNITS, cases[-1:] if model.info().slow else cases):
+            changed = one.change(case.mechanism, case.pose)
+            again = answer(bench, model, *changed, MODES) / one.factor
+            off = relative(again, solved(study, case, model))
+            # Rounding depends on the units: the bound is that of the changed problem.
+            bound = np.maximum(rounding(case, model), precision(model, *changed))
+            yield Seen(one.name, label(model), "rounding", case.name, off, bound)
 
 
-def _symmetry(study: Study) -> Iterator[Property]:
+def _symmetry(study: Study) -> Iterator[Seen]:
     """Equal limbs around a circle: turning the azimuth from one to the next changes nothing."""
     if not study.cases:
         return
@@ -146,11 +156,13 @@ def _symmetry(study: Study) -> Iterator[Property]:
         for case in study.complete(model):
             turn = round(float(np.degrees(case.pose.azimuth)) % step, 6) % step
             groups.setdefault((case.pose.z, case.pose.tilt, turn), []).append(case)
-        found = []
         for first, *others in groups.values():
             f, bound = solved(study, first, model), rounding(first, model)
-            found += [(c.name, relative(solved(study, c, model), f), bound) for c in others]
-        yield from worst(f"{step:g} deg symmetry", label(model), found, "rounding")
+            for case in others:
+                off = relative(solved(study, case, model), f)
+                yield Seen(
+                    f"{step:g} deg symmetry", label(model), "rounding", case.name, off, bound
+                )
 
 
 def _repeats(mechanism: Mechanism, angle: float) -> bool:
@@ -160,7 +172,7 @@ def _repeats(mechanism: Mechanism, angle: float) -> bool:
     """
     if not mechanism.simple:
         return False
-    turned, _ = restated(angle)(mechanism, Pose(1.0))
+    turned, _ = turned_axes(angle)(mechanism, Pose(1.0))
     size = max(np.abs(mechanism.bases).max(), np.abs(mechanism.platform_points).max())
     inertia, again = np.array(mechanism.platform.inertia), np.array(turned.platform.inertia)
     places = [
@@ -174,21 +186,20 @@ def _repeats(mechanism: Mechanism, angle: float) -> bool:
     return bool(same and np.abs(again - inertia).max() <= 1e-9 * np.abs(inertia).max())
 
 
-def _twins(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _twins(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """The same elements put together or solved in other ways."""
     study = checked.cases
     for one, other in TWINS:
         if {one.name, other.name} & checked.plan.skipped.keys():
             continue
-        found = []
+        name = f"{label(other)} = {label(one)}"
         for case in study.complete(one):
             again = answer(bench, other, case.mechanism, case.pose, MODES)
-            off = relative(again, solved(study, case, one))
-            found.append((case.name, off, rounding(case, one, other)))
-        yield from worst(f"{label(other)} = {label(one)}", label(other), found, "rounding of both")
+            off, bound = relative(again, solved(study, case, one)), rounding(case, one, other)
+            yield Seen(name, label(other), "rounding of both", case.name, off, bound)
 
 
-def _batches(checked: Checked) -> Iterator[Property]:
+def _batches(checked: Checked) -> Iterator[Seen]:
     """Many poses a call, against the same model pose by pose."""
     space, study = checked.workspace, checked.cases
     asked = [
@@ -204,11 +215,7 @@ def _batches(checked: Checked) -> Iterator[Property]:
                 one = batch(model, (case,))
                 f = one.table[0] if isinstance(one, Batch) else np.full(MODES, np.inf)
                 asked.append(("cases", study, model, case, f))
-    found: dict[tuple[str, Model], list[Found]] = {}
     for where, of, model, case, f in asked:
         off = np.nan_to_num(relative(f, solved(of, case, model)), nan=np.inf)
-        bound = BATCH + rounding(case, model)
-        found.setdefault((where, model), []).append((case.name, off, bound))
-    for (where, model), some in found.items():
-        name = f"many poses a call, {where}"
-        yield from worst(name, label(model), some, "the batch solver's 1e-9")
+        bound, name = BATCH + rounding(case, model), f"many poses a call, {where}"
+        yield Seen(name, label(model), "the batch solver's 1e-9", case.name, off, bound)

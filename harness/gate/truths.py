@@ -1,6 +1,6 @@
 """What is true of the problem itself: limits, the order of theories, massless limbs, counts."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import Continuum, Material, Modes, limbs_at
+from analytic import Continuum, Limb, Modes, limbs_at
 from analytic.pairing import pair
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import LEAST_SHEAR, Theory
@@ -16,10 +16,10 @@ from harness.bench import SPARE, Bench, label
 from harness.case import Case
 from harness.causes import THEORIES
 from harness.declared import moving
-from harness.gate.equivalents import answer, relative, with_material
+from harness.gate.equivalents import answer, relative
 from harness.gate.measured import counted
 from harness.gate.plan import MODES, Checked
-from harness.gate.properties import Found, Property, precision, rounding, solved, worst
+from harness.gate.properties import Seen, precision, rounding, solved
 from harness.presets import CONFORMING
 from harness.studies.refinement import MESHES, WARY, verify
 from reference_models import Named
@@ -33,7 +33,7 @@ BESIDE = 1e-9
 """How far from a root, relative, modes are counted."""
 
 
-def truths(checked: Checked, bench: Bench) -> Iterator[Property]:
+def truths(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """Yield what the models solved in `checked` must meet, whatever they met before."""
     yield from _limits(checked, bench)
     yield from _extrapolated(checked, bench)
@@ -75,7 +75,7 @@ def _truth(
             yield case, modes, [study.answers[case, m] for m in models], np.where(f > 0, f, 1.0)
 
 
-def _limits(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _limits(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """s -> infinity is the exact model of the theory that is declared.
 
     That lies below every mesh if the elements are conforming.
@@ -83,7 +83,7 @@ def _limits(checked: Checked, bench: Bench) -> Iterator[Property]:
     for ladder in checked.plan.ladders:
         if len(ladder) < 2:
             continue
-        within, above = [], []
+        name = ladder[0].name
         for case, exact, meshes, scale in _truth(checked, bench, *ladder):
             limit = ladder[0].limit()
             assert limit is not None, "there is a truth"
@@ -92,13 +92,11 @@ def _limits(checked: Checked, bench: Bench) -> Iterator[Property]:
             value, band = _converged(ladder, f)
             slack = rounding(case, ladder[-1], limit)
             off = relative(value, exact.frequencies)
-            within.append((case.name, off, band / scale + slack))
-            short = np.maximum(1 - f / scale, 0).max(axis=0) * (exact.frequencies > 0)
-            above.append((case.name, short, slack))
-        name = ladder[0].name
-        yield from worst("s -> infinity is exact", name, within, "the band of the finest mesh")
-        if name in CONFORMING:
-            yield from worst("elements only stiffen", name, above, "rounding")
+            yield Seen("s -> infinity is exact", name, "the band of the finest mesh", case.name,
+                       off, band / scale + slack)  # fmt: skip
+            if name in CONFORMING:
+                short = np.maximum(1 - f / scale, 0).max(axis=0) * (exact.frequencies > 0)
+                yield Seen("elements only stiffen", name, "rounding", case.name, short, slack)
 
 
 def _converged(ladder: Sequence[Named], f: Floats) -> tuple[Floats, Floats]:
@@ -115,22 +113,21 @@ def _converged(ladder: Sequence[Named], f: Floats) -> tuple[Floats, Floats]:
     return np.array([one.limit for one in seen]), np.array([one.gci for one in seen])
 
 
-def _extrapolated(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _extrapolated(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """What is extrapolated from two meshes lies as near the exact model as it says."""
     for model in checked.plan.singles:
         if not isinstance(model.elements, tuple):
             continue
-        found = []
         for case, exact, (own,), scale in _truth(checked, bench, model):
             if own.uncertainty is not None:
                 partner = pair(exact, own, case.mechanism, case.pose).partner
                 off = relative(own.frequencies[partner], exact.frequencies)
                 bound = own.uncertainty[partner] / scale + rounding(case, model)
-                found.append((case.name, off, bound))
-        yield from worst("extrapolated is exact", label(model), found, "its own uncertainty")
+                yield Seen("extrapolated is exact", label(model), "its own uncertainty", case.name,
+                           off, bound)  # fmt: skip
 
 
-def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _assumptions(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """Without an assumption that holds something rigid, no frequency is higher."""
     study = checked.cases
     for ladder in checked.plan.ladders:
@@ -140,57 +137,58 @@ def _assumptions(checked: Checked, bench: Bench) -> Iterator[Property]:
         relaxed = Named(info.relaxed, model.elements)
         if relaxed.info().program != info.program:
             continue  # on other meshes
-        found = []
         for case in study.complete(model):
             low = answer(bench, relaxed, case.mechanism, case.pose, MODES)
             if np.isfinite(low).all():
                 off = np.maximum(low / solved(study, case, model) - 1, 0)
-                found.append((case.name, off, rounding(case, model)))
-        yield from worst(f"{info.assumption} only stiffens", label(model), found, "no excess")
+                yield Seen(f"{info.assumption} only stiffens", label(model), "no excess", case.name,
+                           off, rounding(case, model))  # fmt: skip
 
 
-def _theories(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _theories(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """Euler-Bernoulli > Rayleigh > Timoshenko; without shear Timoshenko is Rayleigh."""
     study = checked.cases
     exact = {one.name: one for one in checked.plan.singles if one.elements is None}
     chain = [exact[name] for name in THEORIES if name in exact]
     for stiff, soft in pairwise(chain):
-        found = []
         for case in study.complete(stiff, soft):
             off = np.maximum(solved(study, case, soft) / solved(study, case, stiff) - 1, 0)
-            found.append((case.name, off, rounding(case, soft)))
-        yield from worst(f"{stiff.name} above {soft.name}", label(soft), found, "no excess")
+            yield Seen(f"{stiff.name} above {soft.name}", label(soft), "no excess", case.name, off,
+                       rounding(case, soft))  # fmt: skip
     if not {*THEORIES[-2:]} <= exact.keys():
         return
     without, sheared = chain[-2:]
-    stiffest, found = Named(sheared.name, None, (("shear", STIFF),)), []
-    for case in _simple(study.complete(without, sheared)):
+    stiffest = Named(sheared.name, None, (("shear", STIFF),))
+    for case in study.complete(without, sheared):
+        if not case.mechanism.simple:
+            continue
         f = solved(study, case, without)
         off = relative(answer(bench, stiffest, case.mechanism, case.pose, MODES), f)
         kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
         # The effect falls in proportion to 1 / kappa, or faster.
         effect = 2 * (f / solved(study, case, sheared) - 1) * kappa / STIFF
-        found.append((case.name, off, rounding(case, without) + effect))
-    yield from worst(f"kappa -> infinity is {without.name}", label(sheared), found, "1/kappa")
+        yield Seen(f"kappa -> infinity is {without.name}", label(sheared), "1/kappa", case.name,
+                   off, rounding(case, without) + effect)  # fmt: skip
 
 
-def _massless(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _massless(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """Limbs without mass are springs: a rigid body on them, solved without a beam."""
-    light = with_material(lambda m: Material(m.young, m.shear, LIGHT * m.density))
     for model in _exact(checked):
-        found: list[Found] = []
-        for case in _simple(checked.cases.complete(model)):
+        for case in checked.cases.complete(model):
+            if not case.mechanism.simple:
+                continue
             springs, shares = _springs(_theory(model), case)
-            f = answer(bench, model, *light(case.mechanism, case.pose), len(springs))
+            light = replace(case.mechanism, limbs=tuple(map(_light, case.mechanism.limbs)))
+            f = answer(bench, model, light, case.pose, len(springs))
             # By Rayleigh's quotient: a limb moves no more than its end.
             bound = precision(model, case.mechanism, case.pose, len(springs)) + LIGHT * shares / 2
-            found.append((case.name, relative(f, springs), bound))
-        yield from worst("limbs without mass", label(model), found, "the mass left")
+            yield Seen("limbs without mass", label(model), "the mass left", case.name,
+                       relative(f, springs), bound)  # fmt: skip
 
 
-def _simple(cases: Iterable[Case]) -> list[Case]:
-    """Return those of R-P-S limbs, of which the rest has closed forms."""
-    return [case for case in cases if case.mechanism.simple]
+def _light(limb: Limb) -> Limb:
+    rod, steel = limb.rod, limb.rod.material
+    return limb.with_rod(replace(rod, material=replace(steel, density=LIGHT * steel.density)))
 
 
 def _springs(theory: Theory, case: Case) -> tuple[Floats, float]:
@@ -219,11 +217,10 @@ def _springs(theory: Theory, case: Case) -> tuple[Floats, float]:
     return np.sqrt(np.maximum(values, 0)) / (2 * np.pi), float(share)
 
 
-def _exact_counts(checked: Checked) -> Iterator[Property]:
+def _exact_counts(checked: Checked) -> Iterator[Seen]:
     """No mode missing, none too many: Wittrick and Williams count as many as were found."""
     study, number = checked.cases, np.arange(1, MODES + 1)
     for model in _exact(checked):
-        found = []
         for case in study.complete(model):
             f = solved(study, case, model)
             below, upto = (
@@ -232,15 +229,13 @@ def _exact_counts(checked: Checked) -> Iterator[Property]:
             )
             # The k-th mode: fewer than k below it, at least k up to it; free motion has no below.
             off = np.maximum(below - (number - 1), number - upto) * (f > 0)
-            found.append((case.name, np.maximum(off, 0.0), np.full(MODES, 0.5)))
-        yield from worst("Wittrick-Williams count", label(model), found, "modes")
+            yield _counted("Wittrick-Williams count", label(model), case, np.maximum(off, 0.0))
 
 
-def _mesh_counts(checked: Checked) -> Iterator[Property]:
+def _mesh_counts(checked: Checked) -> Iterator[Seen]:
     """The finest mesh has as many modes below its widest gap as its theory has."""
     study = checked.cases
     for *_, model in checked.plan.ladders:
-        found = []
         for case in study.complete(model) if model.limit() is not None else ():
             if not (model.info().torsion or case.mechanism.simple):
                 continue  # of other limbs torsion is no count of its own
@@ -248,11 +243,11 @@ def _mesh_counts(checked: Checked) -> Iterator[Property]:
             expected = _count(model, case, seen.cut)
             if not model.info().torsion:
                 expected -= _twisting(case, seen.cut)
-            found.append((case.name, np.array([abs(expected - seen.number)]), np.array([0.5])))
-        yield from worst("modes counted on the finest mesh", label(model), found, "modes")
+            off = np.array([abs(expected - seen.number)])
+            yield _counted("modes counted on the finest mesh", label(model), case, off)
 
 
-def _torsion(checked: Checked, bench: Bench) -> Iterator[Property]:
+def _torsion(checked: Checked, bench: Bench) -> Iterator[Seen]:
     """Rods twist or do not, as declared: shorter limbs do so among their lowest modes.
 
     There the bench refuses modes of torsion that are not declared, and misses those that are.
@@ -261,16 +256,19 @@ def _torsion(checked: Checked, bench: Bench) -> Iterator[Property]:
         limit = model.limit()
         if limit is None:
             continue
-        found = []
         for case in checked.cases.complete(model):
             for pose in (replace(case.pose, z=part * case.pose.z) for part in SHORTER):
                 exact = bench.solve(limit, case.mechanism, pose, MODES)
                 if isinstance(exact, Modes) and not moving(exact, case.mechanism, pose).all():
                     ours = bench.solve(model, case.mechanism, pose, MODES + SPARE)
                     off = np.array([0.0 if isinstance(ours, Modes) else np.inf])
-                    found.append((case.name, off, np.array([0.5])))
+                    yield _counted("rods twist as declared", model.name, case, off)
                     break
-        yield from worst("rods twist as declared", model.name, found, "modes")
+
+
+def _counted(name: str, model: str, case: Case, off: Floats) -> Seen:
+    """Return a property of whole numbers of modes, which are `off` by none."""
+    return Seen(name, model, "modes", case.name, off, np.full(len(off), 0.5))
 
 
 def _count(model: Named, case: Case, frequency: float) -> int:

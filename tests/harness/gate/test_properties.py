@@ -13,7 +13,7 @@ from harness.case import Case
 from harness.cases import PRESETS
 from harness.gate import properties as module
 from harness.gate.compare import failures
-from harness.gate.equivalents import EQUIVALENTS, UNITS, noise, relative, restated
+from harness.gate.equivalents import EQUIVALENTS, UNITS, in_units, noise, relative
 from harness.gate.plan import Batch, Plan, solve, standard
 from harness.gate.properties import Property, precision, properties
 from reference_models import Named
@@ -170,7 +170,7 @@ def test_units_change_what_they_should() -> None:
     """A change of unit is one of the numbers given, not only of the answer."""
     model = Named("euler-bernoulli", None)
     f = model.modes(CASE.mechanism, CASE.pose).frequencies
-    for change in (restated(length=1000.0), restated(mass=0.3)):
+    for change in (in_units(length=1e-3), in_units(mass=1 / 0.3)):
         mechanism, pose = change(CASE.mechanism, CASE.pose)
         assert mechanism != CASE.mechanism
         again = model.modes(mechanism, pose).frequencies
@@ -180,7 +180,7 @@ def test_units_change_what_they_should() -> None:
     np.testing.assert_allclose(model.modes(mechanism, pose).frequencies, 1.7 * f, rtol=4e-12)
     steel = mechanism.limbs[0].rod.material
     assert isinstance(steel, Material) and steel.young == pytest.approx(1.7**2 * 200e9)
-    heavy, _ = restated(mass=0.3, length=10.0)(CASE.mechanism, CASE.pose)
+    heavy, _ = in_units(mass=1 / 0.3, length=0.1)(CASE.mechanism, CASE.pose)
     assert isinstance(heavy.platform, Platform)
     assert heavy.platform.mass == pytest.approx(0.3 * CASE.mechanism.platform.mass)
 
