@@ -16,9 +16,10 @@ from analytic.pairing import TRUSTED, assurance, mass_vectors
 from harness.bench import Bench, label
 from harness.cases import PRESETS
 from harness.declared import STILL
+from harness.gate.finding import Finding
 from harness.gate.measured import measure
 from harness.gate.plan import MODES, Checked, Plan, solve, standard
-from harness.gate.properties import Property, precision, properties
+from harness.gate.properties import precision, properties
 from harness.poses import turned as turned_pose
 from harness.result import Result
 from harness.tables import Table
@@ -165,10 +166,10 @@ def _answered(checked: Checked, bench: Bench) -> Answer:
     return Answer(question, True, f"{number} answers on {len(checked.plan.everywhere)} meshes")
 
 
-def _property(one: Property) -> Answer:
-    where = one.case if one.mode is None else f"{one.case}, mode {one.mode}"
-    said = f"off by {one.deviation:.1e} at {where}; allowed {one.bound:.1e} ({one.remark})"
-    return Answer(f"{one.name}: {one.model}", bool(one.holds), said)
+def _property(one: Finding) -> Answer:
+    where = f"{one.case}, mode {one.mode}"
+    said = f"off by {one.after:.1e} at {where}; allowed {one.tolerance:.1e} ({one.cause})"
+    return Answer(f"{one.quantity}: {one.model}", not one.fails, said)
 
 
 def _order(checked: Checked, bench: Bench) -> Answer:

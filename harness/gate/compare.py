@@ -2,126 +2,75 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-
-import numpy as np
 
 from analytic import InputError
 from analytic.pairing import TRUSTED
 from harness.bench import label
 from harness.gate.equivalents import relative
+from harness.gate.finding import FAILED, HELD, NOTED, Finding, judged
 from harness.gate.measured import Key, Measured, Place
-from harness.gate.plan import NOT_ASKED, Checked, group
-from harness.gate.properties import Property
+from harness.gate.plan import NOT_ASKED, Checked
 from harness.gate.ratchet import SHAPE, Baseline
 from harness.gate.timing_watch import Timing
 from harness.rows import GATE
 from harness.workers import Failure
 from reference_models import Named, parse
 
-FAILED, BETTER, NOTED = "failed", "better", "noted"
-"""`BETTER` fails as well (a two-way ratchet), but is accepted without a reason."""
 
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing that is not as it was, or not as it must be.
-
-    Attributes: `kind`, one of `KINDS`; `model`, `case`, `mode` (from 1; None where it concerns
-    all); `quantity`; its value `before` and `after`; `tolerance`, the change allowed; `verdict`;
-    `cause`, as far as it can be seen.
-    """
-
-    kind: str
-    model: str
-    case: str
-    mode: int | None
-    quantity: str
-    before: float | str | None = None
-    after: float | str | None = None
-    tolerance: float | None = None
-    verdict: str = FAILED
-    cause: str = ""
-
-    @property
-    def fails(self) -> bool:
-        """Whether it makes the check fail."""
-        return self.verdict in (FAILED, BETTER)
-
-    @property
-    def moved(self) -> float | None:
-        """The change: relative for frequencies and seconds, else the difference."""
-        if not (isinstance(self.before, float) and isinstance(self.after, float)):
-            return None
-        if self.kind in ("frequency", "uncertainty", "timing") and self.before:
-            return self.after / self.before - 1
-        return self.after - self.before
-
-
-KINDS = ("frequency", "uncertainty", "shape", "mode count", "order", "missing", "property",
-         "timing", "failure", "source")  # fmt: skip
-"""Every kind of finding, in the order in which tables show them."""
-
-
-def compare(baseline: Baseline, now: Measured, checked: Checked) -> list[Finding]:
-    """Return what of `now` differs from the baseline by more than its tolerance, and notes."""
+def compare(baseline: Baseline, now: Measured, checked: Checked) -> Iterator[Finding]:
+    """Yield every figure of `now` that the baseline holds, and what is new, gone or another."""
     before = baseline.figures
     causes = {
         model: f"{old.version} -> {new.version}"
         for model, new in now.sources.items()
         if (old := before.sources.get(model)) and old.version != new.version
     }
-    findings = [*_sources(before, now), *_missing(before, now, checked)]
+    yield from _sources(before, now)
+    yield from _missing(before, now, checked)
     spoiled: set[Place] = set()
     for place in (one for one in now.counts if one in before.counts):
-        lost = _count(before, now, place)
-        findings += lost
+        counted = _count(before, now, place)
+        yield from counted
         # Where a mode is missing the numbers above it mean something else.
-        spoiled |= {place} if lost else set()
+        spoiled |= {place} if counted[0].fails else set()
+
+    def comparable(case: str, mode: int, *models: str) -> bool:
+        return all((case, m, mode) in now.modes and (case, m) not in spoiled for m in models)
+
     for key, new in now.modes.items():
         case, model, mode = key
-        was = before.modes.get(key)
-        if was is None or (case, model) in spoiled:
+        was, cause = before.modes.get(key), causes.get(model, "")
+        if was is None or not comparable(case, mode, model):
             continue
-        cause, allowed = causes.get(model, ""), baseline.allowed(key)
-        if not relative(new.frequency, was.frequency) <= allowed:
-            verdict = BETTER if _closer(before, now, key) else FAILED
-            findings.append(Finding("frequency", model, case, mode, "f [Hz]", was.frequency,
-                                    new.frequency, allowed, verdict, cause))  # fmt: skip
+        allowed = baseline.allowed(key)
+        same = bool(relative(new.frequency, was.frequency) <= allowed)
+        verdict = judged(same, not same and _closer(before, now, key))
+        yield Finding("frequency", model, case, mode, "f [Hz]", was.frequency, new.frequency,
+                      allowed, verdict, cause)  # fmt: skip
         assert new.likeness is not None, "measured just now"
         like = float(new.likeness[was.partner - 1])
-        if not like >= was.assurance - SHAPE:
-            looks = f"looks like mode {new.partner} (assurance {new.assurance:.3f})"
-            findings.append(
-                Finding("shape", model, case, mode, f"likeness with mode {was.partner} of the "
-                        "anchor", was.assurance, like, SHAPE, FAILED,
-                        "; ".join(filter(None, (looks, cause))))
-            )  # fmt: skip
+        looks = f"looks like mode {new.partner} (assurance {new.assurance:.3f})"
+        yield Finding("shape", model, case, mode, f"likeness with mode {was.partner} of the anchor",
+                      was.assurance, like, SHAPE, judged(like >= was.assurance - SHAPE),
+                      "; ".join(filter(None, (looks, cause))))  # fmt: skip
     for key, stated in before.uncertainties.items():
         case, model, mode = key
-        if key not in now.modes or (case, model) in spoiled:
-            continue
-        band, allowed = now.uncertainties.get(key), baseline.uncertainty_tolerance(key)
-        if band is None or not relative(band, stated) <= allowed:
-            findings.append(
-                Finding("uncertainty", model, case, mode, "stated uncertainty [Hz]", stated, band,
-                        allowed, FAILED, causes.get(model, ""))
-            )  # fmt: skip
+        if comparable(case, mode, model):
+            band, allowed = now.uncertainties.get(key), baseline.uncertainty_tolerance(key)
+            same = band is not None and bool(relative(band, stated) <= allowed)
+            yield Finding("uncertainty", model, case, mode, "stated uncertainty [Hz]", stated, band,
+                          allowed, judged(same), causes.get(model, ""))  # fmt: skip
     for key, order in before.orders.items():
         case, model, mode = key
         labels = order.labels(model)
-        if any((case, x, mode) not in now.modes or (case, x) in spoiled for x in labels):
-            continue
-        p = now.orders[key].p if key in now.orders else None
-        allowed = baseline.order_tolerance(key)
-        if p is None or not abs(p - order.p) <= allowed:
+        if comparable(case, mode, *labels):
+            p = now.orders[key].p if key in now.orders else None
+            allowed = baseline.order_tolerance(key)
+            same = p is not None and abs(p - order.p) <= allowed
             better = p is not None and abs(p - order.formal) < abs(order.p - order.formal)
-            quantity = f"order on {', '.join(map(str, order.elements))}"
-            findings.append(
-                Finding("order", model, case, mode, quantity, order.p, p, allowed,
-                        BETTER if better else FAILED, causes.get(labels[-1], ""))
-            )  # fmt: skip
-    return findings
+            yield Finding("order", model, case, mode,
+                          f"order on {', '.join(map(str, order.elements))}", order.p, p, allowed,
+                          judged(same, better), causes.get(labels[-1], ""))  # fmt: skip
 
 
 def _missing(before: Measured, now: Measured, checked: Checked) -> Iterator[Finding]:
@@ -146,13 +95,11 @@ def _missing(before: Measured, now: Measured, checked: Checked) -> Iterator[Find
 
 
 def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:
-    """Return the modes that are missing, or one finding for modes that were not there."""
+    """Return the count below the accepted cut: a row for each mode that is missing, or one."""
     case, model = place
     old, spectrum = before.counts[place], now.counts[place].spectrum
     assert spectrum is not None, "measured just now"
     number = int((spectrum < old.cut).sum())
-    if number == old.number:
-        return []
     missing: list[int | None] = []
     if number < old.number:
         found = now.found[place]
@@ -160,10 +107,11 @@ def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:
             one = before.modes.get((case, model, mode))
             if one and one.assurance >= TRUSTED and one.partner <= len(found):
                 missing += [mode] if found[one.partner - 1] < TRUSTED else []
-    said = "mode lost" if number < old.number else "more modes than before"
+    lost = "mode lost" if number < old.number else "more modes than before"
+    verdict, said = (HELD, "") if number == old.number else (FAILED, lost)
     return [
         Finding("mode count", model, case, mode, f"modes below {old.cut:.6g} Hz",
-                float(old.number), float(number), 0.0, FAILED, said)
+                float(old.number), float(number), 0.0, verdict, said)
         for mode in missing or [None]
     ]  # fmt: skip
 
@@ -198,74 +146,34 @@ def _sources(before: Measured, now: Measured) -> Iterator[Finding]:
                           cause="another mechanism, not another answer")  # fmt: skip
 
 
-def failures(checked: Checked) -> list[Finding]:
-    """Return models that failed at a pose, and those that cannot run here."""
-    gone = [
-        Finding("source", model, "", None, "model", verdict=NOTED, cause=f"not run: {why}")
-        for model, why in checked.plan.skipped.items()
-        if why != NOT_ASKED
-    ]
-    gone += [
-        Finding("source", label(model), case.name, None, "model", verdict=NOTED,
-                cause=f"not run: {study.failures[case, model]}")
-        for study in checked.studies
-        for case, model in study.failures
-        if (case, model) in study.refused
-    ]  # fmt: skip
-    failed = {
-        (case.name, label(model)): why
-        for study in checked.studies
-        for (case, model), why in study.failures.items()
-        if (case, model) not in study.refused
-    } | {
-        (GATE, label(model)): one.reason
-        for model, one in checked.batches.items()
-        if isinstance(one, Failure)
-    }
-    return gone + [
-        Finding("failure", model, case, None, "answer", cause=why)
-        for (case, model), why in failed.items()
-    ]
+def failures(checked: Checked) -> Iterator[Finding]:
+    """Yield models that failed at a pose, and those that cannot run here."""
+    for name, why in checked.plan.skipped.items():
+        if why != NOT_ASKED:
+            yield Finding("source", name, "", None, "model", verdict=NOTED, cause=f"not run: {why}")
+    for study in checked.studies:
+        for (case, model), why in study.failures.items():
+            if (case, model) in study.refused:
+                yield Finding("source", label(model), case.name, None, "model", verdict=NOTED,
+                              cause=f"not run: {why}")  # fmt: skip
+            else:
+                yield Finding("failure", label(model), case.name, None, "answer", cause=why)
+    for model, batch in checked.batches.items():
+        if isinstance(batch, Failure):
+            yield Finding("failure", label(model), GATE, None, "answer", cause=batch.reason)
 
 
-def broken(properties: Sequence[Property]) -> list[Finding]:
-    """Return the properties that do not hold."""
-    return [
-        Finding("property", one.model, one.case, one.mode, one.name, None, one.deviation,
-                one.bound, FAILED, one.remark)
-        for one in properties if not one.holds
-    ]  # fmt: skip
-
-
-def slower(found: Sequence[Timing]) -> list[Finding]:
-    """Return models whose seconds changed by more than their noise; faster ones are noted."""
-    return [
-        Finding("timing", one.model, "", None,
-                f"seconds of the last {change.window} runs against those before", 1.0,
-                factor, change.noise, verdict, f"since {one.since:%Y-%m-%d %H:%M}")
-        for one in found
+def slower(found: Sequence[Timing]) -> Iterator[Finding]:
+    """Yield models whose seconds changed by more than their noise, those that are faster as notes;
+    and one row for each of the others."""
+    for one in found:
+        if not (one.slower.happened or one.faster.happened):
+            yield Finding("timing", one.model, "", None, "seconds", verdict=HELD)
         for change, verdict, factor in (
             (one.slower, FAILED, one.slower.factor),
             (one.faster, NOTED, 1 / one.faster.factor),
-        )
-        if change.happened
-    ]  # fmt: skip
-
-
-def condense(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
-    """Return what a table shows: of the map's poses each model's worst, and how many it is of.
-
-    Worst: the largest change over its tolerance; what has no such change is worst of all.
-    """
-
-    def excess(one: Finding) -> float:
-        return abs(one.moved) / one.tolerance if one.moved is not None and one.tolerance else np.inf
-
-    shown: list[tuple[Finding, int]] = []
-    groups: dict[tuple[str, str, str], list[Finding]] = {}
-    for one in findings:
-        if group(one.case) == GATE and one.case != GATE:
-            groups.setdefault((one.kind, one.model, one.verdict), []).append(one)
-        else:
-            shown.append((one, 1))
-    return shown + [(max(some, key=excess), len(some)) for some in groups.values()]
+        ):
+            if change.happened:
+                quantity = f"seconds of the last {change.window} runs against those before"
+                yield Finding("timing", one.model, "", None, quantity, 1.0, factor, change.noise,
+                              verdict, f"since {one.since:%Y-%m-%d %H:%M}")  # fmt: skip

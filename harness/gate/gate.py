@@ -8,7 +8,8 @@ from typing import Any
 
 from analytic import InputError
 from harness.bench import Bench
-from harness.gate.compare import FAILED, broken, compare, condense, failures, slower
+from harness.gate.compare import compare, failures, slower
+from harness.gate.finding import FAILED, condense
 from harness.gate.measured import measure
 from harness.gate.plan import Checked
 from harness.gate.properties import properties
@@ -34,14 +35,13 @@ def look(
 ) -> Report:
     """Return what moved since the baseline `known`, and what does not hold."""
     now = measure(checked, bench)
-    held = properties(checked, bench)
-    findings = failures(checked) + broken(held) + slower(timings)
+    seen = [*failures(checked), *properties(checked, bench), *slower(timings)]
     if known is None:
         notes = ("compared with no baseline", *notes)
     else:
-        findings += compare(known, now, checked)
+        seen += compare(known, now, checked)
     said = (*checked.plan.notes, *notes)
-    return Report(tuple(findings), tuple(held), tuple(timings), now, known, about or {}, said)
+    return Report(tuple(seen), tuple(timings), now, known, about or {}, said)
 
 
 def watched(

@@ -18,6 +18,7 @@ from analytic.multipliers import null_space
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.gate.equivalents import UNITS, answer, relative, turned_axes
+from harness.gate.finding import Finding, judged
 from harness.gate.plan import MODES, Batch, Checked, batch
 from harness.presets import TWINS
 
@@ -40,38 +41,22 @@ class Seen:
     deviation: Floats
     bound: Floats
 
-    def worst(self) -> tuple[float, "Property"]:
+    def worst(self) -> tuple[float, Finding]:
         """Return the largest deviation over its bound, and the property at that mode."""
         with np.errstate(invalid="ignore", divide="ignore"):
             ratios = np.nan_to_num(self.deviation / self.bound, nan=0.0, posinf=np.inf)
         i = int(ratios.argmax())
-        numbers = i + 1, float(self.deviation[i]), float(self.bound[i])
-        return float(ratios[i]), Property(self.name, self.model, self.case, *numbers, self.remark)
+        deviation, bound = float(self.deviation[i]), float(self.bound[i])
+        verdict = judged(deviation <= bound)
+        return float(ratios[i]), Finding("property", self.model, self.case, i + 1, self.name, None,
+                                         deviation, bound, verdict, self.remark)  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Property:
-    """What must hold: relative `deviation` at most `bound`; worst at `case` and `mode`; and why."""
-
-    name: str
-    model: str
-    case: str
-    mode: int | None
-    deviation: float
-    bound: float
-    remark: str
-
-    @property
-    def holds(self) -> bool:
-        """Whether it does."""
-        return self.deviation <= self.bound
-
-
-def properties(checked: Checked, bench: Bench) -> list[Property]:
+def properties(checked: Checked, bench: Bench) -> list[Finding]:
     """Return every property that the models solved in `checked` can show, each at its worst."""
     from harness.gate.truths import truths
 
-    found: dict[tuple[str, str], list[tuple[float, Property]]] = {}
+    found: dict[tuple[str, str], list[tuple[float, Finding]]] = {}
     for seen in chain(
         _equivalents(checked, bench),
         _symmetry(checked.workspace),

@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
-from harness.gate.compare import KINDS, Finding, condense
+from harness.gate.finding import COMPARED, HELD, KINDS, Finding, condense
 from harness.gate.measured import Measured
 from harness.gate.plan import group
-from harness.gate.properties import Property
 from harness.gate.ratchet import Baseline
 from harness.gate.timing_watch import Timing
 from harness.plain import plain
@@ -26,12 +25,11 @@ if TYPE_CHECKING:
 class Report(Result):
     """All that a check looked at.
 
-    Attributes: `findings`, every property in `held` and timing in `timings`; `now`, what was
+    Attributes: `seen`, a row for everything, and every timing in `timings`; `now`, what was
     measured; `baseline`, if any; `about`: provenance, command and seconds; `notes` for people.
     """
 
-    findings: tuple[Finding, ...]
-    held: tuple[Property, ...]
+    seen: tuple[Finding, ...]
     timings: tuple[Timing, ...]
     now: Measured
     baseline: Baseline | None
@@ -39,9 +37,14 @@ class Report(Result):
     notes: tuple[str, ...] = ()
 
     @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is not as it was, or not as it must be, and notes."""
+        return tuple(one for one in self.seen if one.verdict != HELD)
+
+    @property
     def failed(self) -> list[Finding]:
         """The findings that make the check fail."""
-        return [one for one in self.findings if one.fails]
+        return [one for one in self.seen if one.fails]
 
     @property
     def passed(self) -> bool:
@@ -54,25 +57,10 @@ class Report(Result):
         return self.checked["property" if self.baseline is None else "frequency"] > 0
 
     @cached_property
-    def looked_at(self) -> dict[str, list[tuple[str, str]]]:
-        """Model and case, or what else it was, of every figure that was compared, by kind."""
-        old, now = Measured() if self.baseline is None else self.baseline.figures, self.now
-        modes = [(model, group(case)) for case, model, _ in now.modes.keys() & old.modes.keys()]
-        stated = now.modes.keys() & old.uncertainties.keys()
-        return {
-            "frequency": modes,
-            "uncertainty": [(model, group(case)) for case, model, _ in stated],
-            "shape": modes,
-            "mode count": [(m, group(case)) for case, m in now.counts.keys() & old.counts.keys()],
-            "order": [(name, case) for case, name, _ in now.orders.keys() & old.orders.keys()],
-            "property": [(one.model, one.name) for one in self.held],
-            "timing": [(one.model, "seconds") for one in self.timings],
-        }
-
-    @property
     def checked(self) -> dict[str, int]:
         """How many of each kind were compared."""
-        return {kind: len(found) for kind, found in self.looked_at.items()}
+        counted = Counter(one.kind for one in self.seen)
+        return {kind: counted[kind] for kind in COMPARED}
 
     def to_frame(self) -> "pd.DataFrame":
         """Return one row a finding."""
@@ -83,7 +71,7 @@ class Report(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return how much was compared, what moved if anything did, properties and seconds."""
-        found = {"": _summary(self), "-findings": _moved(self), "-properties": _held(self),
+        found = {"": _summary(self), "-findings": _moved(self), "-properties": _properties(self),
                  "-timings": _seconds(self)}  # fmt: skip
         return {ending: table for ending, table in found.items() if table.rows or not ending}
 
@@ -134,12 +122,12 @@ def _summary(report: Report) -> Table:
     return Table("Compared", ("Kind", "Compared", "Failed", "Noted"), rows)
 
 
-def _held(report: Report) -> Table:
+def _properties(report: Report) -> Table:
     """Return every property with its measured deviation and bound."""
     rows = tuple(
-        (one.name, one.model, one.case, _mode(one), f"{one.deviation:.1e}", f"{one.bound:.1e}",
-         one.remark, "yes" if one.holds else "NO")
-        for one in report.held
+        (one.quantity, one.model, one.case, _mode(one), f"{one.after:.1e}", f"{one.tolerance:.1e}",
+         one.cause, "NO" if one.fails else "yes")
+        for one in report.seen if one.kind == "property"
     )  # fmt: skip
     columns = ("Property", "Model", "Worst at", "Mode", "Deviation", "Bound", "Bound from", "Holds")
     return Table("What needs no baseline", columns, rows)
@@ -165,7 +153,12 @@ def as_json(report: Report) -> bytes:
         **report.about,
         "checked": report.checked,
         "findings": [vars(one) | {"of": of} for one, of in condense(report.findings)],
-        "properties": [vars(one) | {"holds": one.holds} for one in report.held],
+        "properties": [
+            {"name": one.quantity, "model": one.model, "case": one.case, "mode": one.mode,
+             "deviation": one.after, "bound": one.tolerance, "remark": one.cause,
+             "holds": not one.fails}
+            for one in report.seen if one.kind == "property"
+        ],
         "timings": [
             {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
              "noise": one.slower.noise, "slower": one.slower.score, "faster": one.faster.score}
@@ -208,14 +201,13 @@ def as_junit(report: Report) -> bytes:
     """
     root = ElementTree.Element("testsuites", name="rps-bench check")
     for kind in KINDS:
-        tests: dict[tuple[str, str], list[Finding]] = {
-            place: [] for place in report.looked_at.get(kind, ())
-        }
-        for one in report.findings:
+        tests: dict[tuple[str, str], list[Finding]] = {}
+        for one in report.seen:
             if one.kind == kind:
                 other = {"property": one.quantity, "timing": "seconds"}
                 name = other.get(kind, group(one.case) or one.quantity)
-                tests.setdefault((one.model, name), []).append(one)
+                said = [] if one.verdict == HELD else [one]
+                tests.setdefault((one.model, name), []).extend(said)
         bad = sum(any(one.fails for one in found) for found in tests.values())
         suite = ElementTree.SubElement(
             root, "testsuite", name=kind, tests=str(len(tests)), failures=str(bad)
@@ -249,7 +241,7 @@ def _line(one: Finding) -> str:
     )
 
 
-def _mode(one: Finding | Property) -> str:
+def _mode(one: Finding) -> str:
     return "" if one.mode is None else f"f{one.mode}"
 
 
