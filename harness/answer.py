@@ -1,7 +1,7 @@
 """What an answer must satisfy before it is a number: else it is a failure with a reason."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from numbers import Integral, Real
 from time import perf_counter
 
@@ -51,17 +51,39 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
         raise ModelError(f"it answered {type(answer).__name__}, where Modes were expected")
     modes = answer
     _told(modes)
-    frequencies = _frequencies(modes, count)
+    frequencies = modes.frequencies
+    if frequencies.ndim == 1 and len(frequencies) != count:
+        raise ModelError(f"it gave {len(frequencies)} modes, where {count} were asked for")
+    if why := flaw(frequencies, (count,), modes.uncertainty):
+        raise ModelError(why)
     _form(modes, mechanism)
     # Its own arrays, whatever the model does with its memory next; a -0.0 is 0.
     modes = replace(modes, frequencies=frequencies + 0.0)
-    if (np.diff(frequencies) < 0).any():
-        raise ModelError("its frequencies do not ascend")
     _joints(modes, mechanism, pose)
     mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
     _energies(modes, mass, mechanism, pose)
     _masses(modes, mass, info, mechanism, pose)
     return modes
+
+
+def flaw(f: object, shape: tuple[int, ...], uncertainty: object = None) -> str:
+    """Return why frequencies of this `shape` (..., modes) [Hz] are none to be believed, or their
+    uncertainties; "" if they may be."""
+    if not isinstance(f, np.ndarray):
+        return f"its frequencies are a {type(f).__name__}, not an array"
+    if f.shape != shape or f.dtype.kind != "f":
+        return f"its frequencies have shape {f.shape} and type {f.dtype}, not {shape} numbers"
+    if not np.isfinite(f).all():
+        return f"its frequencies hold {f[~np.isfinite(f)][0]}"
+    if (f < 0).any():
+        return f"it gave a frequency below zero, {f[f < 0][0]:.6g} Hz"
+    if (np.diff(f) < 0).any():
+        return "its frequencies do not ascend"
+    if uncertainty is not None:
+        own = np.asarray(uncertainty)
+        if own.shape != shape or not (np.isfinite(own) & (own >= 0)).all():
+            return "its uncertainties are not one finite number of hertz a mode"
+    return ""
 
 
 def believed(
@@ -121,6 +143,33 @@ def solved(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> tuple[
     return believed(model, mechanism, pose, count, call, known), sum(seconds)
 
 
+@dataclass(frozen=True)
+class Batch:
+    """The `table` (poses, modes) [Hz] that a model gave for many poses in one call of `seconds`."""
+
+    table: Array
+    seconds: float
+
+
+@dataclass(frozen=True)
+class BatchTask:
+    """The `count` lowest frequencies of one model at `poses` (arrays) in one call."""
+
+    model: Model
+    mechanism: Mechanism
+    poses: Pose
+    count: int
+
+    def solve(self) -> Batch:
+        """Return them; raise `ModelError` where they are none to be believed."""
+        began = perf_counter()
+        table = np.asarray(self.model.frequencies(self.mechanism, self.poses, self.count))
+        seconds = perf_counter() - began
+        if why := flaw(table, (len(self.poses), self.count)):
+            raise ModelError(why)
+        return Batch(table, seconds)
+
+
 def _extrapolated(
     model: Model,
     elements: tuple[int, int],
@@ -164,26 +213,6 @@ def _told(modes: Modes) -> None:
         kind = Integral if name == "dofs" else Real
         if not isinstance(value, kind) or isinstance(value, bool) or not float(value) >= 0:
             raise ModelError(f"its {name} is {value!r}, where a number was expected")
-
-
-def _frequencies(modes: Modes, count: int) -> Array:
-    f = modes.frequencies
-    if f.ndim != 1:
-        raise ModelError(f"its frequencies have shape {f.shape}, not ({count},)")
-    if len(f) != count:
-        raise ModelError(f"it gave {len(f)} modes, where {count} were asked for")
-    bad = f[~np.isfinite(f)]
-    if bad.size:
-        raise ModelError(f"its frequencies hold {bad[0]}")
-    if (f < 0).any():
-        raise ModelError(f"it gave a frequency below zero, {f[f < 0][0]:.6g} Hz")
-    uncertainty = modes.uncertainty
-    if uncertainty is not None and (
-        np.shape(uncertainty) != f.shape
-        or not (np.isfinite(uncertainty) & (uncertainty >= 0)).all()
-    ):
-        raise ModelError("its uncertainties are not one finite number of hertz a mode")
-    return f
 
 
 def _form(modes: Modes, mechanism: Mechanism) -> None:

@@ -1,16 +1,15 @@
 """What a check runs: every model of the catalogue on its ladder of meshes, and a small map."""
 
-import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Limits, Mechanism, Pose, regular_workspace
 from analytic.model import Model
+from harness.answer import Batch, BatchTask
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.gate.yardstick import yardstick, yardstick_row
@@ -52,14 +51,6 @@ class Plan:
     def everywhere(self) -> tuple[Named, ...]:
         """Every model that is solved at the cases."""
         return tuple(dict.fromkeys((*(m for rungs in self.ladders for m in rungs), *self.singles)))
-
-
-@dataclass(frozen=True)
-class Batch:
-    """What a model gave for the whole map in one call: `table` (poses, MODES) [Hz], time a pose."""
-
-    table: NDArray[np.float64]
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -164,33 +155,17 @@ def solve(plan: Plan, bench: Bench) -> Checked:
     rows += [  # how long a model takes for a pose among many
         {"case": GATE, "model": f"{label(model)}, many poses a call", "mode": 1,
          "z_m": plan.poses[0].pose.z, "frequency_hz": float(one.table[0, 0]), "build_s": 0.0,
-         "solve_s": one.seconds}
+         "solve_s": one.seconds / len(plan.poses)}
         for model, one in batches.items() if isinstance(one, Batch)
     ]  # fmt: skip
     rows.append(yardstick_row(machine))
     return Checked(plan, cases, workspace, batches, rows)
 
 
-@dataclass(frozen=True)
-class BatchTask:
-    """Many poses by one model in one call."""
-
-    model: Model
-    cases: tuple[Case, ...]
-
-    def solve(self) -> Batch:
-        """Return the frequencies and the seconds a pose; the tables are made beforehand."""
-        poses = [case.pose for case in self.cases]
-        many = Pose.stacked(poses)
-        mechanism = self.cases[0].mechanism
-        self.model.frequencies(mechanism, many[:2], MODES)
-        began = time.perf_counter()
-        table = self.model.frequencies(mechanism, many, MODES)
-        return Batch(table, (time.perf_counter() - began) / len(poses))
-
-
 def batch(model: Model, cases: tuple[Case, ...]) -> Batch | Failure:
-    """Return what a model gives for all `cases` in one call."""
-    found = attempt(BatchTask(model, cases))
+    """Return what a model gives for all `cases` in one call; its tables are made beforehand."""
+    task = BatchTask(model, cases[0].mechanism, Pose.stacked([c.pose for c in cases]), MODES)
+    attempt(replace(task, poses=task.poses[:2]))
+    found = attempt(task)
     assert isinstance(found, (Batch, Failure)), "what the task gives"
     return found

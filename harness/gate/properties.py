@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from analytic import Mechanism, Pose
 from analytic.model import Model
 from analytic.multipliers import null_space
+from harness.answer import Batch
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.gate.equivalents import UNITS, answer, relative, turned_axes
 from harness.gate.finding import Finding, judged
-from harness.gate.plan import MODES, Batch, Checked, batch
+from harness.gate.plan import MODES, Checked, batch
 from harness.presets import TWINS
 
 Floats = NDArray[np.float64]

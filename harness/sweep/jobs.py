@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 import scipy
@@ -17,7 +16,7 @@ from analytic.condensed import CHUNK
 from analytic.model import Model
 from harness import answer as answers
 from harness import declared
-from harness.answer import solved
+from harness.answer import BatchTask, flaw, solved
 from harness.history.provenance import provenance
 from harness.poses import columns
 from reference_models import ModelError, UnavailableError
@@ -84,9 +83,8 @@ class Job:
             found, uncertainty = modes.frequencies[None], modes.uncertainty
             uncertainty = None if uncertainty is None else np.asarray(uncertainty)[None]
         else:
-            began = perf_counter()
-            found = np.asarray(self.model.frequencies(self.mechanism, self.poses, count))
-            seconds, uncertainty = perf_counter() - began, None
+            batch = BatchTask(self.model, self.mechanism, self.poses, count).solve()
+            found, seconds, uncertainty = batch.table, batch.seconds, None
             # For their theory, version and size, which are the same at every pose.
             asked = (self.model, self.mechanism, count)
             if asked not in _told:
@@ -100,27 +98,11 @@ class Job:
 
     def flaw(self, answer: object) -> str:
         """Return why no number of `answer` must be believed; "" if they may be."""
-        shape = (len(self.poses), self.count)
         if not isinstance(answer, Answer):
             return f"it answered {type(answer).__name__}, where frequencies were expected"
-        f, uncertainty, closure = answer.frequencies, answer.uncertainty, answer.closure
-        if not isinstance(f, np.ndarray) or f.shape != shape or f.dtype.kind != "f":
-            form = f"shape {np.shape(f)} and type {getattr(f, 'dtype', type(f).__name__)}"
-            return f"its frequencies have {form}, not {shape} numbers"
-        if not np.isfinite(f).all():
-            return f"its frequencies hold {f[~np.isfinite(f)][0]}"
-        if (f < 0).any():
-            return f"it gave a frequency below zero, {f.min():.6g} Hz"
-        if (np.diff(f, axis=1) < 0).any():
-            return "its frequencies do not ascend"
-        if uncertainty is not None and (
-            np.shape(uncertainty) != f.shape
-            or not (np.isfinite(uncertainty) & (uncertainty >= 0)).all()
-        ):
-            return "its uncertainties are not one finite number of hertz a mode"
-        if closure is not None and not np.isfinite(closure):
-            return f"its joints are open by {closure} m"
-        return ""
+        if answer.closure is not None and not np.isfinite(answer.closure):
+            return f"its joints are open by {answer.closure} m"
+        return flaw(answer.frequencies, (len(self.poses), self.count), answer.uncertainty)
 
 
 def jobs(

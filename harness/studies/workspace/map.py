@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,21 +10,19 @@ from numpy.typing import NDArray
 from analytic import InputError, Joint, Limits, Mechanism, Modes, Pose, RegularWorkspace
 from analytic.model import Model
 from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margins
+from harness.answer import Batch, BatchTask
 from harness.bench import Bench, label
 from harness.case import Case
 from harness.result import Result
 from harness.rows import MAP, mode_rows, settings
 from harness.tables import Table
 from harness.workers import Failure
-from reference_models import ModelError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
 
-ASCENDING = 1e-9
-"""Relative fall of a frequency below the one before it that is rounding of a repeated one."""
 LEAST = 1e-3
 """A platform that tilts by less than this everywhere does not tilt [rad]."""
 PROFILE = 41
@@ -169,30 +166,6 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class Many:
-    """The `count` lowest frequencies of a model at many poses in one call."""
-
-    model: Model
-    mechanism: Mechanism
-    poses: Pose
-    count: int
-
-    def solve(self) -> tuple[Floats, float]:
-        """Return them, (n, count) [Hz], and the seconds a pose; `ModelError` if they are none."""
-        ask, shape = self.model.frequencies, (len(self.poses), self.count)
-        began = perf_counter()
-        found = np.asarray(ask(self.mechanism, self.poses, self.count), dtype=float)
-        seconds = (perf_counter() - began) / len(self.poses)
-        if found.shape != shape:
-            raise ModelError(f"its frequencies have shape {found.shape}, not {shape}")
-        if not np.isfinite(found).all() or (found < 0).any():
-            raise ModelError("its frequencies are not all finite and none below zero")
-        if (np.diff(found) < -ASCENDING * found[:, :-1]).any():
-            raise ModelError("its frequencies do not ascend")
-        return found, seconds
-
-
-@dataclass(frozen=True)
 class WorkspaceMap(Result):
     """Frequencies of one model over a grid in the regular workspace.
 
@@ -290,12 +263,12 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
         if isinstance(first, Failure):
             return _failed(model, poses, count, first.reason)
         bench.listener.expect(1)
-        found = bench.call(Many(model, mechanism, poses, count), isolated=False)
+        found = bench.call(BatchTask(model, mechanism, poses, count), isolated=False)
         bench.listener.done(f"{label(model)} at {len(poses)} poses")
         if isinstance(found, Failure):
             return _failed(model, poses, count, found.reason)
-        assert isinstance(found, tuple)
-        return Answers(found[0], (first,), found[1], {})
+        assert isinstance(found, Batch)
+        return Answers(found.table, (first,), found.seconds / len(poses), {})
     bench.listener.expect(len(poses))
     answers: list[Modes | None] = []
     frequencies, failures = np.full((len(poses), count), np.nan), {}

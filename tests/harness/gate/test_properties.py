@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from analytic import Material, Mechanism, Platform, Pose, Rod
+from harness.answer import Batch
 from harness.bench import Bench
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.gate import properties as module
 from harness.gate.compare import failures
 from harness.gate.equivalents import EQUIVALENTS, UNITS, in_units, noise, relative
-from harness.gate.plan import Batch, Plan, solve, standard
+from harness.gate.plan import Plan, solve, standard
 from harness.gate.properties import Seen, precision, properties
 from reference_models import Named
 

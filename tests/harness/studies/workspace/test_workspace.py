@@ -241,7 +241,7 @@ def test_a_simulator_goes_pose_by_pose(region: Region, robot: Mechanism) -> None
 
 
 @pytest.mark.parametrize(("broken", "why"), [
-    ("nan", "not all finite"), ("order", "do not ascend"), ("shape", "have shape"),
+    ("nan", "hold nan"), ("order", "do not ascend"), ("shape", "have shape"),
 ])  # fmt: skip
 def test_frequencies_that_are_none_are_a_failure(
     region: Region, bench: Bench, broken: str, why: str
