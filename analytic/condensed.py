@@ -254,10 +254,11 @@ def solve(problem: Problem, count: int, loop: Loop | None) -> tuple[Floats, NDAr
         loop(problem.vectors, *arrays, *stops, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
-    inside &= (found[:, 0] > GRADED * start[:, -1]) & told
+    inside &= told
     poor = inside & ~settled
     if poor.any():
         found[poor] = _by_rank(problem[poor], start[poor, :count])
+    inside &= found[:, 0] > GRADED * start[:, -1]
     return found, inside & _certain(problem, found, below if settled.all() else None)
 
 

@@ -244,6 +244,35 @@ def test_the_condensed_and_the_assembled_model_agree_or_refuse(made):
     assert (condensed >= 0).all()
 
 
+def test_a_root_far_below_the_pencil_s_has_all_its_digits():
+    """Three limbs all but parallel: f1 is 1/650 of f2, where the pencil gives 70 times f1."""
+    material = Material(4725706924.952979, 2320075707.584172, 1038.7897017867185)
+    rod = Rod(material, 0.14431331535116435)
+    ends = [
+        (
+            (-0.1870594578718533, 0.10385174352223311, -0.01007140467486288),
+            (-0.19955840204598405, 0.10545302102790591, 0.05420821089910852),
+        ),
+        (
+            (-0.02393773480249612, -0.04881331279609095, -0.005698194336116097),
+            (-0.06275267246151392, -0.04776750297434331, 0.03245073508114846),
+        ),
+        (
+            (-0.2307877044959827, 0.4518069566301449, 0.02659359933609481),
+            (-0.37771965963123605, 0.45417713242171875, 0.08075252542693827),
+        ),
+    ]
+    limbs = tuple(Limb.rps(base, (0, 1, 0), point, rod) for base, point in ends)
+    moments = 2.583730993098645e-06, 1.7561751217163496e-06, 2.7831861757783418e-06
+    mechanism = Mechanism(limbs, Platform.diagonal(19.318622457069132, moments))
+    pose = Pose(1.1369616873214543, 0.24876732149455005, -0.16023048757009217)
+    bounds = check(mechanism, pose, Continuum())
+    assert bounds is not None
+    assert bounds[1, 0] > 600 * bounds[0, 1]
+    found = condensed_frequencies(mechanism, pose)
+    np.testing.assert_allclose(found, bounds.mean(axis=1), rtol=1e-9)
+
+
 @pytest.mark.parametrize("beam", ["euler-bernoulli", "timoshenko"])
 def test_brackets_of_the_paper_hold(robot, case1, case2, beam):
     for pose in (case1, case2):
