@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from analytic.errors import InputError
 from analytic.exact_chain import Exact
 from analytic.mechanism import Body
-from analytic.network import DEPENDENT
 from analytic.placed import Placed
 from analytic.platform import body_mass
 from analytic.rod_elements import element_matrices
+from analytic.strut import DEPENDENT
 
 Floats = NDArray[np.float64]
 

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from analytic.exact_chain import Exact
 from analytic.modes import STATIONS
-from analytic.network import Map, Network, Piece
+from analytic.motion import Map
+from analytic.network import Network, Piece
 from analytic.placed import Placed
 from analytic.rod_elements import Properties
 from analytic.rod_exact import dynamic_stiffness

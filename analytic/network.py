@@ -20,42 +20,19 @@ from numpy.typing import NDArray
 
 from analytic.assembly import Layout, layout
 from analytic.errors import InputError
-from analytic.mechanism import Body, Joint
+from analytic.mechanism import Joint
+from analytic.motion import PLATFORM, Map
 from analytic.placed import Alike, Placed
-from analytic.platform import body_mass
+from analytic.strut import DEPENDENT, strut_blocks
 
 Floats = NDArray[np.float64]
 
-DEPENDENT = 1e-9
-"""Freedoms between two masses, in units of length 1, that all but depend on each other."""
-PLATFORM = tuple(range(-6, 0))
 PORT = -1.0
 """The stiffness of a freedom that is moved from outside: a coordinate without a spring."""
 
 
 Block = tuple[int, tuple[int, ...], Floats]
 """Of a group of limbs (-1: the platform), columns and matrices of K and M, (2, n, c, c)."""
-
-
-@dataclass(frozen=True)
-class Map:
-    """What moves a point of n limbs: `matrix` (n, 6, c) over the coordinates `columns` (c,) of
-    each; those of the platform are -6 ... -1.
-    """
-
-    columns: tuple[int, ...]
-    matrix: Floats
-
-    def carried(self, arm: Floats) -> "Map":
-        """Return the motion of the point that is `arm` (n, 3) away on the same rigid body."""
-        moved = self.matrix.copy()
-        moved[:, :3] += np.cross(self.matrix[:, 3:], arm[:, :, None], axis=1)
-        return Map(self.columns, moved)
-
-    @property
-    def size(self) -> int:
-        """How many coordinates move the point."""
-        return len(self.columns)
 
 
 @dataclass(frozen=True)
@@ -223,7 +200,10 @@ class Walk:
         self.ports: dict[tuple[int, int], int] = {}
         kinds = [kind[0] for kind in self.alike.kind]
         if "rod" not in kinds:
-            self._strut(kinds)
+            for item, block in strut_blocks(placed, unit):
+                if kinds[item] == "joint":
+                    self.joints[len(self.constant)] = item
+                self.constant.append((group, PLATFORM, block))
             return
         last = max(self.alike.rods)
         held: Map | None = None
@@ -244,51 +224,6 @@ class Walk:
                 end = self._free() if k < last else self._tail(last, kinds)
                 self.rods.append(Piece(group, k, s, held, end, start))
                 held, at = end, k + 1
-
-    def _strut(self, kinds: list[str]) -> None:
-        """Add limbs without rods, which weigh nothing: springs between the base and the platform.
-
-        The limb's free twists F let the platform go; across them, W^T F = 0, its springs give way
-        by W^T E k^-1 E^T W, the inverse of a stiffness. Every joint's springs have a part of it.
-        """
-        where = self.placed.starts[:, -1]
-        E, stiffness, items = [], [], []
-        for k, kind in enumerate(kinds):
-            if kind == "body":
-                raise self._refused("a body and no rod", "an elastic rod in a limb with a body")
-            if kind == "joint":
-                twists = Map((), self.placed.twists(k)).carried(where - self.placed.starts[:, k])
-                E.append(twists.matrix)
-                stiffness.append(self.alike.freedoms[k].stiffness)
-                items += [k] * twists.matrix.shape[-1]
-        if not E:
-            raise self._refused("no rod that is rigid in every direction", "a spring in it")
-        scale = np.array([1.0] * 3 + [1 / self.unit] * 3)
-        T = np.concatenate(E, axis=-1) / scale[:, None]
-        own = np.concatenate(stiffness, axis=1)
-        sprung = (own > 0).any(axis=0)
-        J = Map(PLATFORM, np.broadcast_to(np.eye(6), (self.n, 6, 6))).carried(self.placed.arms)
-        stretch = np.zeros((self.n, int(sprung.sum()), 6))
-        for i in range(self.n):
-            U, sigma, _ = np.linalg.svd(T[i][:, ~sprung])
-            W = U[:, int((sigma > DEPENDENT).sum()) :]
-            held = W.T @ T[i][:, sprung]
-            if np.linalg.matrix_rank(held, tol=DEPENDENT) < W.shape[1]:
-                raise self._refused("no rod that is rigid in some direction", "a spring in it")
-            soft = held / own[i, sprung]
-            force = np.linalg.solve(soft @ held.T, W.T @ (J.matrix[i] / scale[:, None]))
-            stretch[i] = soft.T @ force
-        of = np.array(items)[sprung]
-        for k in dict.fromkeys(of.tolist()):
-            r, mine = stretch[:, of == k], own[:, sprung][:, of == k]
-            block = np.zeros((2, self.n, 6, 6))
-            block[0] = r.swapaxes(1, 2) @ (mine[..., None] * r)
-            self.joints[len(self.constant)] = k
-            self.constant.append((self.group, PLATFORM, block))
-
-    def _refused(self, what: str, expected: str) -> InputError:
-        limb = int(self.alike.limbs[0]) + 1
-        return InputError("mechanism", f"limb {limb} with {what}", expected)
 
     def _free(self) -> Map:
         columns = self._new(6)
@@ -380,13 +315,6 @@ class Walk:
 
     def _weigh(self, k: int, held: Map) -> None:
         """Add the mass of the bodies that are item `k`."""
-        masses = []
-        for i, chain in enumerate(self.alike.chains):
-            body = chain[k]
-            assert isinstance(body, Body)
-            axes = np.eye(3) if body.frame != "limb" else self.placed.frames[i]
-            inertia = axes @ np.array(body.inertia) @ axes.T
-            masses.append(body_mass(body.mass, inertia, axes @ np.array(body.centre)))
         block = np.zeros((2, self.n, held.size, held.size))
-        block[1] = held.matrix.swapaxes(-1, -2) @ np.array(masses) @ held.matrix
+        block[1] = held.matrix.swapaxes(-1, -2) @ self.placed.masses(k) @ held.matrix
         self.constant.append((self.group, held.columns, block))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError
 from analytic.mechanism import Body, Freedom, Item, Joint, Limb, Link, Mechanism, Rod, Vector
+from analytic.platform import body_mass
 from analytic.pose import CLOSURE, Pose, check_poses
 
 Floats = NDArray[np.float64]
@@ -97,6 +98,17 @@ class Placed:
                 axis = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
             E[..., 3 * (kind == "rotation") : 3 + 3 * (kind == "rotation"), f] = axis
         return E
+
+    def masses(self, item: int) -> Floats:
+        """Return the mass matrices of a body at where it stands in the chain, (n, 6, 6)."""
+        found = []
+        for i, chain in enumerate(self.alike.chains):
+            body = chain[item]
+            assert isinstance(body, Body)
+            axes = np.eye(3) if body.frame != "limb" else self.frames[i]
+            inertia = axes @ np.array(body.inertia) @ axes.T
+            found.append(body_mass(body.mass, inertia, axes @ np.array(body.centre)))
+        return np.array(found)
 
     def _global(self, axes: Floats, frame: str) -> Floats:
         if frame == "limb":

@@ -14,7 +14,7 @@ from analytic.model import Info, Model
 from analytic.pairing import mass_vectors
 from analytic.placed import place
 from harness.causes import RICHEST
-from harness.declared import COARSE, SAME, STILL, alone, asked, keeps
+from harness.declared import COARSE, SAME, STILL, alone, asked, available, keeps
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated
@@ -182,7 +182,7 @@ def _extrapolated(
     for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
         mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
         try:
-            meshes.append(known(mesh, count + spare))
+            meshes.append(known(mesh, available(mechanism, count + spare)))
         except NotTakenError:
             raise
         except ModelError as error:
@@ -254,11 +254,13 @@ def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
 
 def _held(mechanism: Mechanism, pose: Pose) -> tuple[Array, Array]:
     """Return projectors on where the joints before the first and after the last rod of every limb
-    let its line move by nothing, at the base and at A_i, each (n, 3, 3).
+    (or link, of one without rods) let its line move by nothing, at the base and at A_i, each
+    (n, 3, 3).
     """
     found = np.empty((2, len(mechanism.limbs), 3, 3))
     for group in place(mechanism, pose):
-        rods = group.alike.rods
+        links = [k for k, kind in enumerate(group.alike.kind) if kind[0] == "link"]
+        rods = group.alike.rods or links or [0]
         for end, at, joints in (
             (0, 0, [k for k in group.alike.freedoms if k < rods[0]]),
             (1, -1, [k for k in group.alike.freedoms if k > rods[-1]]),
@@ -283,6 +285,9 @@ def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: P
     its first own frequency.
     """
     still = mass < STILL**2
+    turn = np.linalg.norm(modes.platform[:, 3:], axis=1)
+    if not mechanism.simple:  # a platform of next to no inertia turns with a rod that twists
+        still &= turn <= STILL * turn.max()
     wrong = still
     if still.any() and info.torsion:
         highest = COARSE * float(modes.frequencies.max())

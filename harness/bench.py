@@ -9,6 +9,7 @@ from analytic.model import Model
 from analytic.pairing import Pairing, pair
 from harness.answer import NotTakenError, believed
 from harness.case import Case
+from harness.declared import available
 from harness.rows import mode_rows, settings
 from harness.workers import LIMIT, Children, Failure, Task, attempt
 from reference_models import ModelError
@@ -163,7 +164,8 @@ class Bench:
             for case in cases:
                 step = f"{label(model)} at {case.name}"
                 self.listener.begin(step)
-                found = self.solve(model, case.mechanism, case.pose, count + SPARE)
+                most = available(case.mechanism, count + SPARE)
+                found = self.solve(model, case.mechanism, case.pose, most)
                 if isinstance(found, Failure):
                     failures[case, model] = found.reason
                     if found.refused:

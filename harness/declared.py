@@ -61,7 +61,12 @@ def asked(mechanism: Mechanism, count: int) -> int:
 
     A model whose rods do not twist has others in the place of one a limb.
     """
-    return count + SPARE + len(mechanism.limbs)
+    return available(mechanism, count + SPARE + len(mechanism.limbs))
+
+
+def available(mechanism: Mechanism, count: int) -> int:
+    """Return `count`, or the 6 modes that there are where no limb has a rod."""
+    return count if any(limb.rods for limb in mechanism.limbs) else min(count, 6)
 
 
 def keeps(

@@ -317,7 +317,7 @@ REFUSED = {
     "x and y unsaid": (ring(U, ROD, S, copies=6), Pose(0.5), "x and y"),
     "rigid limb": (ring(R, Link(), S), Pose(0.5), "limb 1 with no rod that is rigid"),
     "body on a rigid limb": (
-        Mechanism((limb_of(U, Link(), BODY, SPRING, S), *ring(R, ROD, S).limbs), PLATE),
+        Mechanism((limb_of(S, Link(), BODY, SPRING, S), *ring(R, ROD, S).limbs), PLATE),
         Pose(0.5), "limb 1 with a body",
     ),
 }  # fmt: skip

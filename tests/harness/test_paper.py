@@ -13,8 +13,18 @@ from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.paper import CHECKED, folder, names
 
-WRONG = {("thomson-beams", 11)}
-"""Printed 88.9, where 9 pi^2 = 88.826: said in its errata and by its claim."""
+WRONG = {
+    ("thomson-beams", "held"): {11},
+    ("nafems-fv-crosses", "fv1"): {2, 3, 6, 7},
+    ("nafems-fv-crosses", "fv2"): {2, 3, 10, 11},
+    ("code-aster-sdll", "sdll01"): {7, 12, 15, 19},
+    ("code-aster-sdll", "sdll15"): {1, 2, 8},
+    ("code-aster-sdll", "sdll15-beside"): {3, 7},
+    ("stewart-simscape", "home"): {6},
+}
+"""Modes that are printed otherwise than they are, by paper and case: each is in its errata."""
+DIGITS = 5e-8
+"""Two programs with the same elements differ by so much, relative: more digits are rounding."""
 MINE = """
 [mechanisms.mine]
 base_radius_mm = 300
@@ -76,16 +86,16 @@ def write(folder: Path, *, off: float = 1.0, within: float = 0.01, fea: float = 
 
 @pytest.mark.parametrize("name", sorted({*names()} - {CHECKED}))
 def test_what_others_printed_is_met(name: str) -> None:
-    """By exact limbs, to the last digit: none of these numbers is ours."""
-    cases = load_cases(Path(name)).values()
+    """By the case's own model, to the last digit: none of these numbers is ours."""
     count = 0
-    for case in cases:
+    for key, case in load_cases(Path(name)).items():
         assert case.paper is not None and case.paper.citation.count(",") >= 3
         most = max(one.mode for one in case.printed)
         f = case.theory.modes(case.mechanism, case.pose, most).frequencies
         for one in case.printed:
-            right = abs(f[one.mode - 1] - one.frequency) <= 1.02 * one.half
-            assert right != ((name, one.mode) in WRONG), one
+            near = max(1.02 * one.half, DIGITS * one.frequency)
+            right = abs(f[one.mode - 1] - one.frequency) <= near
+            assert right != (one.mode in WRONG.get((name, key), ())), (key, one, f[one.mode - 1])
             count += 1
     assert count >= 3
     found = study("claims", case_file=name)
@@ -178,6 +188,6 @@ def test_what_is_wrong_is_named(tmp_path: Path, name: str, old: str, new: str, s
 
 def test_a_paper_that_is_not_there(rps_bench: Callable[..., Any]) -> None:
     said = rps_bench("table", "--case-file", "nowhere")
-    assert said.status == 2 and "or a paper: beam-with-tip-mass, gong-lou-2023, naf" in said.err
+    assert said.status == 2 and "or a paper: beam-with-tip-mass, code-aster-sdll, gon" in said.err
     said = rps_bench("claims", "--case-file", str(Path(__file__)))
     assert said.status == 2

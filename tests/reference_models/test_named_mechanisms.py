@@ -221,3 +221,11 @@ def test_frequencies_are_inverse_to_the_size(case: str, model: Any, error: float
         there: Pose = replace(pose, **{name: value * k for name, value in xyz.items()})
         found = model.modes(resized(mechanism, k), there, 8).frequencies
         np.testing.assert_allclose(found * k, known, rtol=error)
+
+
+@pytest.mark.parametrize("model", [ExudynBeam(2), MujocoChain(2)])
+def test_the_published_hexapod_by_simulators(model: ExudynBeam | MujocoChain) -> None:
+    """Rigid struts with bodies, no rod anywhere: six modes, and nothing to converge."""
+    (case,) = load_cases(Path("stewart-simscape")).values()
+    exact = Continuum().modes(case.mechanism, case.pose, 6).frequencies
+    assert model.modes(case.mechanism, case.pose, 6).frequencies == pytest.approx(exact, rel=1e-7)
