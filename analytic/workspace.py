@@ -1,7 +1,8 @@
 """Where the platform can go: the limits of Eq. (25) and the region they leave."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ OF_CHAINS = ("shortest stroke", "longest stroke", "joint at the platform", "join
 STEP = math.radians(1)
 """Tilts are tried this far apart: a gap in the reachable tilts narrower than this is not seen."""
 SMALLEST = 1e-10
-"""How closely a boundary is found [rad]."""
+"""How closely a boundary is found [rad, m]."""
 NEAREST = 1e-4
 """The azimuth where a circle touches is closed in on to this [rad]; its tilt errs by the square."""
 GOLDEN = (math.sqrt(5) - 1) / 2
@@ -151,39 +152,88 @@ def reachable(mechanism: Mechanism, poses: Pose, limits: Limits) -> NDArray[np.b
 def boundary(mechanism: Mechanism, z: Any, azimuth: Any, limits: Limits) -> Floats:
     """Return the largest tilt to which every smaller one is reachable, by the polar method [rad].
 
-    `z` and `azimuth` are broadcast. From tilt 0 outwards in steps of `STEP`; the step that fails is
-    divided again and again, down to `SMALLEST`, and its inner end returned. At most `FARTHEST`, and
-    NaN where tilt 0 is not reachable.
+    `z` and `azimuth` are broadcast. At most `FARTHEST`, and NaN where tilt 0 is not reachable.
     """
     rays = Pose(z, azimuth)
-    shape, z, azimuth = rays.shape, np.ravel(rays.z), np.ravel(rays.azimuth)
-    result = np.where(reachable(mechanism, Pose(z, azimuth), limits), 0.0, np.nan)
+    z, azimuth = np.ravel(rays.z)[:, None], np.ravel(rays.azimuth)[:, None]
+
+    def inside(ray: NDArray[np.intp], tilts: Floats) -> NDArray[np.bool_]:
+        return reachable(mechanism, Pose(z[ray], azimuth[ray], tilts), limits)
+
+    return _polar(inside, len(z), STEP, FARTHEST).reshape(rays.shape)
+
+
+def rim(
+    mechanism: Mechanism, pose: Pose, plane: tuple[str, str], direction: Floats, limits: Limits
+) -> Floats:
+    """Return how far o may go from one pose in a plane, by the polar method, (n,) [m].
+
+    `plane` and `direction` (n,) [rad] as of `in_plane`. NaN where the pose itself is not reachable;
+    a gap narrower than a thousandth of the longest reach is not seen.
+    """
+    size = _size(mechanism, limits, float(pose.z))
+    across = direction[:, None]
+
+    def inside(ray: NDArray[np.intp], far: Floats) -> NDArray[np.bool_]:
+        return reachable(mechanism, in_plane(pose, plane, far, across[ray]), limits)
+
+    return _polar(inside, len(direction), size / 1000, 2 * size)
+
+
+def in_plane(pose: Pose, plane: tuple[str, str], far: Any, direction: Any) -> Pose:
+    """Return one pose with o moved `far` [m] towards `direction` [rad], turned as it was.
+
+    `plane`: two of x, y and z, which o moves along by far times cos and sin of the direction.
+    Raises `InputError` where hinges say x and y.
+    """
+    if pose.x is None:
+        raise InputError("plane", ",".join(plane), "a pose that says x and y, which hinges do here")
+    first, second = plane
+    moved = {
+        first: getattr(pose, first) + far * np.cos(direction),
+        second: getattr(pose, second) + far * np.sin(direction),
+    }
+    return replace(pose, **moved)
+
+
+def _polar(
+    inside: Callable[[NDArray[np.intp], Floats], NDArray[np.bool_]],
+    rays: int,
+    step: float,
+    farthest: float,
+) -> Floats:
+    """Return how far along every ray all is inside, (rays,); NaN where its start is not.
+
+    `inside(which, far)` answers for some rays (n,) at steps along them, (n, m), or (1, m) alike.
+    From 0 outwards by `step`; the step that fails is divided again and again, down to `SMALLEST`,
+    and its inner end returned.
+    """
+    every = np.arange(rays)
+    result = np.where(inside(every, np.zeros((1, 1)))[:, 0], 0.0, np.nan)
     level = np.flatnonzero(~np.isnan(result))
-    z, azimuth = z[level, None], azimuth[level, None]
     low, going = np.zeros(len(level)), np.arange(len(level))
     block = max(1, BATCH // max(1, len(level)))
-    tilts = np.linspace(0, FARTHEST, 1 + math.ceil(FARTHEST / STEP))
-    for first in range(1, len(tilts), block):
-        steps = tilts[first : first + block]
-        passed = _passed(mechanism, Pose(z[going], azimuth[going], steps), limits)
-        low[going] = tilts[first - 1 + passed]
+    stops = np.linspace(0, farthest, 1 + math.ceil(farthest / step))
+    for first in range(1, len(stops), block):
+        steps = stops[first : first + block]
+        passed = _passed(inside(level[going], steps[None]))
+        low[going] = stops[first - 1 + passed]
         going = going[passed == len(steps)]
         if not going.size:
             break
-    high = np.minimum(low + STEP, FARTHEST)
+    high = np.minimum(low + step, farthest)
     parts = max(2, block)
     while level.size and (high - low).max() > SMALLEST:
         steps = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, parts + 1)
-        passed = _passed(mechanism, Pose(z, azimuth, steps[:, 1:]), limits)
+        passed = _passed(inside(level, steps[:, 1:]))
         ray = np.arange(len(low))
         low, high = steps[ray, passed], steps[ray, np.minimum(passed + 1, parts)]
     result[level] = low
-    return result.reshape(shape)
+    return result
 
 
-def _passed(mechanism: Mechanism, poses: Pose, limits: Limits) -> NDArray[np.int64]:
-    """Return how many poses of each row (N, steps) are reachable before the first that is not."""
-    inside = reachable(mechanism, poses, limits)
+def _passed(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return how many of each row (N, steps) are true before the first that is not."""
     return np.asarray(np.logical_and.accumulate(inside, axis=1).sum(axis=1))
 
 
@@ -231,8 +281,7 @@ def heights(mechanism: Mechanism, limits: Limits, near: float | None = None) -> 
     there is none.
     """
     anywhere = mechanism.limited or not mechanism.simple
-    reach = np.abs(mechanism.platform_points).sum(axis=1).max() + _longest(mechanism, limits, near)
-    top = np.abs(mechanism.bases[:, 2]).max() + reach
+    top = _size(mechanism, limits, near)
     z = np.linspace(-top if anywhere else 0, top, 2001 if anywhere else 1001)[1:]
     step = z[1] - z[0]
     inside = np.flatnonzero(reachable(mechanism, Pose(z), limits))
@@ -257,6 +306,12 @@ def heights(mechanism: Mechanism, limits: Limits, near: float | None = None) -> 
                 b = middle
         ends.append(float(a))
     return ends[0], ends[1]
+
+
+def _size(mechanism: Mechanism, limits: Limits, near: float | None) -> float:
+    """Return how far above the base o is at most [m]."""
+    reach = np.abs(mechanism.platform_points).sum(axis=1).max() + _longest(mechanism, limits, near)
+    return float(np.abs(mechanism.bases[:, 2]).max() + reach)
 
 
 def _longest(mechanism: Mechanism, limits: Limits, near: float | None) -> float:

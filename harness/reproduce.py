@@ -33,10 +33,9 @@ class Part:
     why: str = ""
 
     def sentences(self) -> list[str]:
-        """Return what all its results say."""
-        if self.why:
-            return [plain(f"Not made: {self.why}.")]
-        return [plain(line) for result in self.results.values() for line in result.sentences()]
+        """Return what all its results say, and why there are no more."""
+        lines = [line for result in self.results.values() for line in result.sentences()]
+        return [plain(line) for line in (*lines, *([f"Not made: {self.why}."] if self.why else []))]
 
 
 def chosen(names: Sequence[str] | None) -> list[Entry]:

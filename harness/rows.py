@@ -10,9 +10,9 @@ from analytic.model import Model
 from harness.case import Case
 from harness.poses import columns
 
-MANY_POSES = GATE, MAP, SWEEP = "workspace", "map", "sweep"
+MANY_POSES = GATE, MAP, PLANE, SWEEP = "workspace", "map", "plane", "sweep"
 """What `case` says in the history of poses without a name: of `check`, of `workspace` and `claims`,
-of `sweep`."""
+of `workspace --plane`, of `sweep`."""
 
 
 def mode_rows(

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from harness.report.ledger import Fields, Ledger, environment, in_words, variant
 from harness.report.material import Material
 from harness.report.recorded import Recorded, Rows
-from harness.report.section import Json, Section, digits
+from harness.report.section import Json, Section, digits, shown
 from harness.rows import GATE, MAP
+from harness.studies.workspace.plane import PlaneMap
 
 KEY = "workspace"
 OWN = "this run"
@@ -48,8 +49,13 @@ def own(run: Material) -> Json | None:
             "record": run.ledger.add(f"{model} over the workspace", fields, [run.run]),
             "rows": digits([[row[name] for name in COLUMNS] for row in rows], KEPT),
         })  # fmt: skip
-    sentences = [line for result in part.results.values() for line in result.sentences()]
-    return {"maps": maps, "left": left, "command": command, "sentences": sentences}
+    results = part.results.values()
+    planes = [one for one in results if isinstance(one, PlaneMap)]
+    return {
+        "maps": maps, "left": left, "command": command,
+        "sentences": [line for result in results for line in result.sentences()],
+        "tables": [shown(one) for result in planes for one in result.tables().values()],
+    }  # fmt: skip
 
 
 def _about(row: Mapping[str, Any]) -> Fields:
@@ -61,7 +67,7 @@ def _about(row: Mapping[str, Any]) -> Fields:
 
 def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str) -> Section:
     """Return the section of this run's maps, as `own` kept them, and of recorded ones."""
-    kept = kept or {"maps": [], "left": [], "command": command, "sentences": []}
+    kept = kept or {"maps": [], "left": [], "command": command, "sentences": [], "tables": []}
     maps: list[Json] = []
     for one in kept["maps"]:
         answer = _folded(dict(zip(COLUMNS, row, strict=True)) for row in one["rows"])
@@ -88,10 +94,10 @@ def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str)
         )
     sets = _sets(maps, left)
     about = KEY, "Workspace: frequencies over the poses", "Workspace", kept["command"]
-    if not sets:
+    if not sets and not kept["tables"]:
         return Section(*about, missing=f"`{kept['command']}` makes this section")
-    context = {"sentences": kept["sentences"], "left": kept["left"]}
-    return Section(*about, context, sets)
+    context = {name: kept[name] for name in ("sentences", "left", "tables")}
+    return Section(*about, context, sets or None)
 
 
 def _folded(rows: Iterable[Mapping[str, Any]]) -> Answer:

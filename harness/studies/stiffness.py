@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError, Joint, Mechanism, Pose, Rod, Stiffness, stiffness
+from analytic import InputError, Joint, Limits, Mechanism, Pose, Rod, Stiffness, stiffness
 from harness.bench import Bench
 from harness.case import Case
 from harness.figures import COLOURS, panels
@@ -16,6 +16,7 @@ from harness.plan import Plan
 from harness.poses import cells, columns, headings, named, used
 from harness.request import Option, Request
 from harness.result import Result
+from harness.studies.workspace.plane import MANY, OPTION, Plane
 from harness.tables import Cell, Number, Table
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 MOST_POSES = 20_000
 OPTIONS = (
     Option("poses", "SET", "Poses of a map, as `sweep` takes them; default none.", None, str),
+    OPTION,
 )
 
 
@@ -41,12 +43,16 @@ class Part:
 
 @dataclass(frozen=True)
 class Map:
-    """The least stiffness of a case's mechanism to a force (n,) [N/m] and a moment [N m/rad]."""
+    """The least stiffness of a case's mechanism to a force (n,) [N/m] and a moment [N m/rad].
+
+    `plane`, if `poses` are those wanted of one.
+    """
 
     case: Case
     poses: Pose
     force: Array
     moment: Array
+    plane: Plane | None = None
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,10 @@ class Stiffnesses(Result):
         return {case: _parts(case.mechanism, found) for case, found in self.found.items()}
 
     def records(self) -> Iterator[dict[str, Any]]:
-        """Return one row a case, part and load alone: the compliance, and the part's share."""
+        """Return one row a case, part and load alone: the compliance, and the part's share.
+
+        Of a map one row a pose: where it is, and its softest direction's stiffness.
+        """
         for case, found in self.found.items():
             whole = np.diag(found.compliance)
             for (limb, item, what), shares in zip(found.parts, found.shares, strict=True):
@@ -74,6 +83,10 @@ class Stiffnesses(Result):
                         "compliance_rad_nm": whole[k] if unit == "rad_nm" else np.nan,
                         "share": shares[k],
                     }  # fmt: skip
+        for one in self.maps:
+            for pose, force, moment in zip(one.poses, one.force, one.moment, strict=True):
+                yield {"case": one.case.name, **columns(pose),
+                       "softest_n_m": force, "softest_nm_rad": moment}  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return stiffness to each load, the shares of like parts, the matrices, and the maps."""
@@ -204,16 +217,22 @@ def part_name(item: int, what: str, thing: object) -> str:
 def _map_figure(maps: tuple[Map, ...]) -> "Figure":
     figure, grid = panels("Stiffness in the softest direction", 1, len(maps), (4.6, 3.4))
     for axes, one in zip(grid[0], maps, strict=True):
+        axes.set_title(one.case.heading, fontsize=10)
+        if one.plane:
+            drawn = one.plane.filled(axes, 1e-6 * one.plane.spread(one.force))
+            figure.colorbar(drawn, ax=axes, label="[N/um]")
+            continue
         lean = np.degrees(np.arccos(np.clip(one.poses.rotation[..., 2, 2], -1, 1)))
         dots = axes.scatter(1000 * one.poses.z, 1e-6 * one.force, c=lean, s=9, cmap="viridis")
         axes.set(xlabel="height $z$ [mm]", ylabel="[N/um]")
-        axes.set_title(one.case.heading, fontsize=10)
         axes.grid(alpha=0.25)
         figure.colorbar(dots, label="lean of the platform [deg]")
     return figure
 
 
-def mapped(case: Case, poses: Pose, shear: str | float, bench: Bench) -> Map:
+def mapped(
+    case: Case, poses: Pose, shear: str | float, bench: Bench, plane: Plane | None = None
+) -> Map:
     """Return the least stiffness of a case's mechanism at `poses` (an array of them)."""
     softest = np.empty((2, len(poses)))
     bench.listener.expect(len(poses))
@@ -221,14 +240,15 @@ def mapped(case: Case, poses: Pose, shear: str | float, bench: Bench) -> Map:
         found = stiffness(case.mechanism, pose, shear=shear)
         softest[:, k] = found.softest()[0], found.softest(turns=True)[0]
         bench.listener.done(f"stiffness at {named(pose)}")
-    return Map(case, poses, softest[0], softest[1])
+    return Map(case, poses, softest[0], softest[1], plane)
 
 
 def run(request: Request, bench: Bench) -> Stiffnesses:
     """Return the static 6 x 6 stiffness at the platform, and the share of each part in it.
 
     Of every joint, drive and rod: which to stiffen first. With --poses also the softest direction's
-    stiffness over a set of poses, of every case's mechanism.
+    stiffness over a set of poses, of every case's mechanism; with --plane over two of x, y and z
+    about every case's pose, out to where the limits end.
     """
     shear = dict(request.theory.settings).get("shear", "cowper")
     found = {case: stiffness(case.mechanism, case.pose, shear=shear) for case in request.cases}
@@ -241,6 +261,12 @@ def run(request: Request, bench: Bench) -> Stiffnesses:
             if len(poses) > MOST_POSES:
                 raise InputError("poses", text, f"at most {MOST_POSES} poses")
             maps.append(mapped(case, poses, shear, bench))
+    if (names := request.options.get(OPTION.name)) is not None:
+        if text is not None:
+            raise InputError("poses", text, "no poses beside a plane")
+        for case in request.cases[::-1]:
+            plane = Plane.of(case, names, Limits(), *MANY)
+            maps.append(mapped(case, plane.poses[plane.wanted], shear, bench, plane))
     return Stiffnesses(found, tuple(maps[::-1]))
 
 

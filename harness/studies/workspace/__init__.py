@@ -23,6 +23,7 @@ from harness.studies.workspace.checks import (
     verdicts,
 )
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap, workspace_map
+from harness.studies.workspace.plane import FEW, MANY, OPTION, Plane, PlaneMap, plane_map
 from harness.tables import Table
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
 OPTIONS = (
     Option("layers", "Z,Z", "Heights z [mm]; default six over the cone.", None, _layers),
     Option("grid", "AxT", "Azimuths x tilts; default 72x15, or 12x4 for a simulator.", None, _grid),
+    OPTION,
     _length("length_min_mm", "Shortest limb; default 200."),
     _length("length_max_mm", "Longest limb; default 1000."),
     _angle("spherical_max_deg", "the platform's normal"),
@@ -153,18 +155,25 @@ def whole(
     return workspace_map(region, Grid.of(region, region.circles.z, *size), model, count, bench)
 
 
-def run(request: Request, bench: Bench) -> Workspace:
+def run(request: Request, bench: Bench) -> Workspace | PlaneMap:
     """Return the frequencies of the model over the regular workspace of the first case's mechanism.
 
-    The paper's own model is euler-bernoulli@3. Modes are numbered by order.
+    The paper's own model is euler-bernoulli@3. Modes are numbered by order. With --plane, over two
+    of x, y and z about the case's pose instead, for robots that move so: --grid is then directions
+    x steps, by default 72x9, or 12x4 for a simulator.
     """
-    names = {case.mechanism for case in request.cases}
-    if len(names) != 1:
+    if len({case.mechanism for case in request.cases}) != 1:
         said = ", ".join(case.name for case in request.cases)
         raise InputError("cases", said, "one case, whose mechanism is mapped")
     options, mechanism = request.options, request.cases[0].mechanism
     pose, limits = request.cases[0].pose, _limits(mechanism, request.cases[0].pose, options)
     layers = options.get("layers")
+    if (names := options.get(OPTION.name)) is not None:
+        if layers is not None:
+            raise InputError("layers", "heights", "none beside a plane")
+        size = options.get("grid") or (FEW if request.theory.info().isolated else MANY)
+        where = Plane.of(request.cases[0], names, limits, *size)
+        return plane_map(where, request.theory, request.shown, bench)
     if layers is not None:
         bottom, top = heights(mechanism, limits, pose.z)
         if not ((layers >= bottom) & (layers <= top)).all():
@@ -196,6 +205,12 @@ def _limits(mechanism: Mechanism, pose: Pose, options: Mapping[str, Any]) -> Lim
 
 
 def jobs(plan: Plan) -> dict[str, Request]:
-    """Return what the main job asks: the exact model of the richest theory, the first mechanism."""
+    """Return what the main job asks: the exact model of the richest theory, the first mechanism.
+
+    Where its pose says x and y, a map over them first: not every platform tilts.
+    """
     richest = (*exact_chain(plan.theory)[-1:], plan.theory)[0]
-    return {"workspace": plan.request(cases=plan.cases[:1], theory=richest, shown=(1, 2, 3))}
+    one = plan.request(cases=plan.cases[:1], theory=richest, shown=(1, 2, 3))
+    if plan.cases[0].pose.x is None:
+        return {"workspace": one}
+    return {"workspace-plane": one.with_(options={OPTION.name: ("x", "y")}), "workspace": one}

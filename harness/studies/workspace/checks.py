@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analytic import reachable
 from harness.bench import label
-from harness.studies.workspace.map import Region, WorkspaceMap, named
+from harness.studies.workspace.map import Region, WorkspaceMap, limits_said, named
 from harness.tables import Cell, Number, Table
 
 Floats = NDArray[np.float64]
@@ -74,16 +74,7 @@ def region_table(region: Region, data: WorkspaceMap, shown: Sequence[int]) -> Ta
             cells += [Number(found.min(), 2), Number(found.max(), 2)] if found.size else ["", ""]
         rows.append(tuple(cells))
     limits = region.limits
-    angles = np.degrees([limits.spherical_max, limits.revolute_max])
-    words = ("spherical joints", "revolute joints") if region.mechanism.simple else (
-        "joints at the platform", "joints at the base")  # fmt: skip
-    said = (
-        f"limits: limbs {1000 * limits.length_min:g} to {1000 * limits.length_max:g} mm; "
-        f"{words[0]} {angles[0]:g} deg from limbs normal to the platform; "
-        f"{words[1]} {angles[1]:g} deg from vertical limbs"
-    )
-    if region.mechanism.limited:
-        said = "limits: strokes and joint angles as the mechanism states them"
+    said = limits_said(region.mechanism, limits)
     if limits.x is not None:
         said += f"; x = {1000 * limits.x:g} mm, y = {1000 * (limits.y or 0.0):g} mm everywhere"
     notes = (

@@ -73,8 +73,8 @@ def contour_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
         for k, axes in enumerate(row):
             x, y, f = _disc(data, k, i)
             rim = np.degrees(np.nanmax(data.grid.tilt[k]))
-            filled = _filled(axes, x, y, f)
-            bar = figure.colorbar(filled, ax=axes, location="bottom", shrink=0.85, pad=0.02)
+            drawn = filled(axes, x, y, f)
+            bar = figure.colorbar(drawn, ax=axes, location="bottom", shrink=0.85, pad=0.02)
             bar.locator = MaxNLocator(4)
             bar.update_ticks()
             bar.ax.tick_params(labelsize=8)
@@ -178,14 +178,14 @@ def _disc(data: WorkspaceMap, layer: int, mode: int) -> tuple[Floats, Floats, Fl
     return tilt * np.cos(azimuth), tilt * np.sin(azimuth), np.concatenate([f, f[:1]])
 
 
-def _filled(axes: Axes, x: Floats, y: Floats, f: Floats) -> Any:
-    """Draw filled contours with lines between."""
+def filled(axes: Axes, x: Floats, y: Floats, f: Floats) -> Any:
+    """Draw filled contours with lines between, and the rim; return them for a colour bar."""
     masked = np.ma.masked_invalid(f)
     levels = MaxNLocator(LEVELS).tick_values(masked.min(), masked.max())
-    filled = axes.contourf(x, y, masked, levels, cmap=COLOUR_MAP, antialiased=True)
+    drawn = axes.contourf(x, y, masked, levels, cmap=COLOUR_MAP, antialiased=True)
     axes.contour(x, y, masked, levels, colors="white", linewidths=0.4)
     axes.plot(x[:, -1], y[:, -1], color="0.3", lw=0.6)
-    return filled
+    return drawn
 
 
 def _round_numbers(low: float, high: float) -> Floats:

@@ -68,15 +68,29 @@ class Region:
 
     def bound(self, z: float, azimuth: float, tilt: float) -> str:
         """Return the limit, or limits, met at a pose on the boundary."""
-        inside = margins(self.mechanism, Pose(z, azimuth, tilt), self.limits)
-        met = np.unique(np.nonzero(np.abs(inside) < 1e-8)[1])
-        names = CONSTRAINTS if self.plain else OF_CHAINS
-        return " and ".join(names[kind] for kind in met) or "closure of the joints"
+        return limits_met(self.mechanism, self.limits, Pose(z, azimuth, tilt))
 
-    @property
-    def plain(self) -> bool:
-        """Whether the limits are those of Eq. (25), of R-P-S limbs."""
-        return self.mechanism.simple and not self.mechanism.limited
+
+def limits_met(mechanism: Mechanism, limits: Limits, pose: Pose) -> str:
+    """Return the limit, or limits, met at a pose on the boundary, in words."""
+    met = np.unique(np.nonzero(np.abs(margins(mechanism, pose, limits)) < 1e-8)[1])
+    plain = mechanism.simple and not mechanism.limited
+    names = CONSTRAINTS if plain else OF_CHAINS
+    return " and ".join(names[kind] for kind in met) or "closure of the joints"
+
+
+def limits_said(mechanism: Mechanism, limits: Limits) -> str:
+    """Return the limits of a map in words."""
+    if mechanism.limited:
+        return "limits: strokes and joint angles as the mechanism states them"
+    angles = np.degrees([limits.spherical_max, limits.revolute_max])
+    words = ("spherical joints", "revolute joints") if mechanism.simple else (
+        "joints at the platform", "joints at the base")  # fmt: skip
+    return (
+        f"limits: limbs {1000 * limits.length_min:g} to {1000 * limits.length_max:g} mm; "
+        f"{words[0]} {angles[0]:g} deg from limbs normal to the platform; "
+        f"{words[1]} {angles[1]:g} deg from vertical limbs"
+    )
 
 
 @dataclass(frozen=True)
@@ -146,7 +160,9 @@ class Answers:
     seconds: float | None
     failures: dict[str, str]
 
-    def rows(self, model: Model, mechanism: Mechanism, poses: Pose) -> list[dict[str, Any]]:
+    def rows(
+        self, model: Model, mechanism: Mechanism, poses: Pose, kind: str = MAP
+    ) -> list[dict[str, Any]]:
         """Return one row a pose and mode for the history, of the `poses` solved."""
         count = self.frequencies.shape[1]
         how, name = settings(model, count), label(model)
@@ -161,7 +177,7 @@ class Answers:
                     uncertainty=None, residual=None,
                     build_seconds=0.0, solve_seconds=self.seconds,
                 )  # fmt: skip
-            result += mode_rows(Case(MAP, mechanism, pose, ""), name, how, modes, count)
+            result += mode_rows(Case(kind, mechanism, pose, ""), name, how, modes, count)
         return result
 
 
