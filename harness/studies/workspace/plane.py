@@ -12,7 +12,7 @@ from analytic import InputError, Limits, Pose
 from analytic.model import Model
 from analytic.workspace import in_plane, rim
 from harness.bench import Bench, label
-from harness.cases import Case
+from harness.case import Case
 from harness.poses import cells, columns, headings
 from harness.request import Option
 from harness.result import Result

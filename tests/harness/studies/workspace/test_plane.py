@@ -22,8 +22,8 @@ from analytic import (
 )
 from analytic.workspace import in_plane, rim
 from harness.bench import Bench
+from harness.case import Case
 from harness.case_file import load_cases
-from harness.cases import Case
 from harness.figures import picture
 from harness.plan import Plan
 from harness.rows import PLANE
