@@ -14,13 +14,12 @@ from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result
 from harness.sweep.engine import Engine, Patience, engine
-from harness.sweep.error_map import compare, error_table
+from harness.sweep.error_map import compare, error_table, worst_table
 from harness.sweep.jobs import Job
 from harness.sweep.journal import Journal
 from harness.sweep.pose_sets import pose_set
 from harness.sweep.rows import Rows
 from harness.sweep.sweep import Failures, Sweep, complete, failure_table
-from harness.sweep.worst_poses import worst_table
 from harness.tables import Table, table_files
 from harness.text import models as models_of
 from reference_models import parse

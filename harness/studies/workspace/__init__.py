@@ -96,7 +96,17 @@ class Workspace(Result):
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a pose and mode: z, azimuth, tilt, whether it is at the rim, frequency."""
-        return (row for row in self.map.records() if row["mode"] in self.shown)
+        data, grid, limits = self.map, self.map.grid, self.map.region.limits
+        more = {} if limits.x is None else {"x_m": limits.x, "y_m": limits.y}
+        more |= {"torsion_rad": limits.torsion} if limits.torsion else {}
+        where = np.argwhere(np.isfinite(data.frequencies[..., 0])).tolist()
+        for mode in sorted(self.shown):
+            for i, k, j in where:
+                yield {
+                    "model": label(data.model), "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
+                    "tilt_rad": grid.tilt[i, j], **more, "rim": bool(j == grid.rim[i]),
+                    "mode": mode, "frequency_hz": data.frequencies[i, k, j, mode - 1],
+                }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the layers, the azimuthal symmetry and the change with height."""
@@ -107,8 +117,17 @@ class Workspace(Result):
         }
 
     def figures(self) -> dict[str, "Figure"]:
-        """Return the region, contours, surfaces and ripple; none where nothing was solved."""
-        return self.map.pictures(self.shown)
+        """Return contours, surfaces, the region and ripple; none where nothing was solved."""
+        if not np.isfinite(self.map.frequencies).any():
+            return {}
+        from harness.studies.workspace import figures
+
+        return {
+            "-contours": figures.contour_figure(self.map, self.shown),
+            "-surfaces": figures.surface_figure(self.map, self.shown),
+            "-region": figures.region_figure(self.map.region, self.map.grid),
+            "-ripple": figures.ripple_figure(self.map, self.shown),
+        }
 
     def sentences(self) -> list[str]:
         """Return the region and the paper's two statements in plain sentences."""

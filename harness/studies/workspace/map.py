@@ -1,8 +1,7 @@
 """Frequencies over the regular workspace, layer by layer: the data of Fig. 6."""
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +12,8 @@ from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margi
 from harness.answer import Batch, BatchTask
 from harness.bench import Bench, label
 from harness.case import Case
-from harness.result import Result
 from harness.rows import MAP, mode_rows, settings
-from harness.tables import Table
 from harness.workers import Failure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
 
@@ -182,7 +176,7 @@ class Answers:
 
 
 @dataclass(frozen=True)
-class WorkspaceMap(Result):
+class WorkspaceMap:
     """Frequencies of one model over a grid in the regular workspace.
 
     Attributes: `region`; `grid`; `model`; `frequencies` (n, A, T, count) [Hz], ascending, NaN where
@@ -197,53 +191,6 @@ class WorkspaceMap(Result):
     frequencies: Floats
     answers: Answers
     opposite: Floats
-
-    @property
-    def modes(self) -> tuple[int, ...]:
-        """All mode numbers, from 1."""
-        return tuple(range(1, self.frequencies.shape[-1] + 1))
-
-    def records(self) -> Iterator[dict[str, Any]]:
-        """Return one row a mode and pose: z, azimuth, tilt, whether it is at the rim, frequency."""
-        name, grid, limits = label(self.model), self.grid, self.region.limits
-        more = {} if limits.x is None else {"x_m": limits.x, "y_m": limits.y}
-        more |= {"torsion_rad": limits.torsion} if limits.torsion else {}
-        where = np.argwhere(np.isfinite(self.frequencies[..., 0])).tolist()
-        for mode in self.modes:
-            for i, k, j in where:
-                yield {
-                    "model": name, "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
-                    "tilt_rad": grid.tilt[i, j], **more, "rim": bool(j == grid.rim[i]),
-                    "mode": mode,
-                    "frequency_hz": self.frequencies[i, k, j, mode - 1],
-                }  # fmt: skip
-
-    def tables(self) -> dict[str, Table]:
-        """Return each layer's circle, what limits it, the cone, and the range of frequencies."""
-        from harness.studies.workspace.checks import region_table
-
-        return {"": region_table(self.region, self, self.modes)}
-
-    def figures(self) -> dict[str, "Figure"]:
-        """Return the pictures of all modes."""
-        return self.pictures(self.modes)
-
-    def pictures(self, shown: Sequence[int]) -> dict[str, "Figure"]:
-        """Return contours, surfaces, the region and ripple; none where nothing was solved."""
-        if not np.isfinite(self.frequencies).any():
-            return {}
-        from harness.studies.workspace import figures
-
-        return {
-            "-contours": figures.contour_figure(self, shown),
-            "-surfaces": figures.surface_figure(self, shown),
-            "-region": figures.region_figure(self.region, self.grid),
-            "-ripple": figures.ripple_figure(self, shown),
-        }
-
-    def failures(self) -> dict[str, str]:
-        """Return the poses without an answer, and why."""
-        return self.answers.failures
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row a pose and mode for the history: a level platform once a layer."""

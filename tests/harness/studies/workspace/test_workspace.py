@@ -144,14 +144,15 @@ def test_the_map_is_the_model(solved: WorkspaceMap, robot: Mechanism) -> None:
 
 def test_a_map_is_a_frame_and_pictures(solved: WorkspaceMap) -> None:
     """One row a mode and pose of every azimuth, level poses too; contours first."""
-    frame = solved.to_frame()
+    result = Workspace(solved, solved, (1, 2, 3, 4, 5, 6))
+    frame = result.to_frame()
     assert list(frame) == ["model", "z_m", "azimuth_rad", "tilt_rad", "rim", "mode", "frequency_hz"]
     assert len(frame) == np.isfinite(solved.frequencies).sum()
     level = frame[(frame["tilt_rad"] == 0) & (frame["mode"] == 1) & (frame["z_m"] == 0.5)]
     assert set(level["frequency_hz"]) == {solved.frequencies[1, 0, 0, 0]} and len(level) == 24
-    figure = solved.plot()
+    figure = result.plot()
     assert figure is not None and "every panel has its own scale" in figure.get_suptitle()
-    assert "circle [deg]" in solved._repr_html_()
+    assert "circle [deg]" in result._repr_html_()
 
 
 def test_any_elements_and_theory(robot: Mechanism, bench: Bench) -> None:
