@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
 from analytic.pairing import Pairing, pair
+from harness import plugins  # noqa: F401  models of other packages stay out of this process
 from harness.answer import NotTakenError, believed
 from harness.case import Case
 from harness.declared import available

@@ -8,6 +8,7 @@ from typing import Any
 from analytic import InputError
 from analytic.model import Info
 from analytic.theory import Theory
+from harness import plugins  # noqa: F401  models of other packages stay out of this process
 from harness.case import Case
 from harness.case_file import load_cases
 from harness.cases import select

@@ -2,15 +2,16 @@
 
 A model is behind an entry point of the group `rps_bench.reference_models`: a class, or anything
 that is called with `elements` and settings, with `info()` beside it. Any installed package can add
-one.
+one. What is not of this bench is asked where `ask` says.
 """
 
 import inspect
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -22,7 +23,7 @@ from analytic.mechanism import Mechanism
 from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
-from reference_models.described import senseless
+from reference_models.described import Declaration, plain, senseless
 from reference_models.protocol import UnavailableError
 from reference_models.richardson import Richardson
 
@@ -30,6 +31,8 @@ GROUP = "rps_bench.reference_models"
 OWN = ("analytic", "reference_models")
 """Packages of this bench's own models."""
 EXACT = "exact"
+LONG = 1000
+"""Letters of an error that are passed on."""
 Elements = int | tuple[int, int] | None
 _LABEL = re.compile(r"(?P<name>[^@\[\]]+)(@(?P<elements>[^@\[\]]+))?(\[(?P<settings>[^\[\]]*)\])?")
 
@@ -67,15 +70,15 @@ class Named:
 
     def info(self) -> Info:
         """Return what the model is, without running it; never raises."""
-        return _info(self)
+        return _declared(self).info
 
     def build(self) -> Any:
-        """Return the model behind the name.
+        """Return the model behind the name, loaded in this process.
 
         Raises `InputError` for unknown names, settings or elements, and `UnavailableError` where
         its program is missing or it cannot be built.
         """
-        missing = self.info().missing
+        missing = declare(self).info.missing
         if missing:
             raise UnavailableError(f"model {self.name!r} cannot run here: {missing}")
         return _built(self)
@@ -128,9 +131,12 @@ def reference(name: str, elements: Any = ..., **settings: Any) -> Named:
     if missing := Named(name, None).info().missing:
         raise UnavailableError(f"model {name!r} cannot run here: {missing}")
     if elements is ...:
-        elements = inspect.signature(find(name)).parameters["elements"].default
+        elements = _declared(Named(name, None)).elements
     model = Named(name, elements, tuple(sorted(settings.items())))
-    model.build()
+    if not model.owner:
+        model.build()
+    elif why := asked(misfit, model):
+        raise InputError("model", model.label, f"elements and settings that {name} has ({why})")
     return model
 
 
@@ -159,13 +165,11 @@ def parse(text: str, argument: str, **settings: Any) -> Named:
     model = Named(name, size, tuple(sorted(given.items()))).given(**settings)
     if not info.missing and (number or own or settings):  # its own defaults are its own fault
         try:
-            model.build()
-        except InputError as error:
-            raise InputError(
-                argument, text, f"elements and settings that {name} has ({error})"
-            ) from None
+            why = asked(misfit, model)
         except UnavailableError:  # said when it is asked: the others can answer
             return model
+        if why:
+            raise InputError(argument, text, f"elements and settings that {name} has ({why})")
     return model
 
 
@@ -173,10 +177,7 @@ def _elements(name: str, info: Info, number: str | None, argument: str, text: st
     """Return the elements of a label, or raise `InputError`."""
     single = info.refinements is None
     if number is None:
-        if info.refinements is not None:
-            return info.refinements
-        default: Elements = inspect.signature(find(name)).parameters["elements"].default
-        return default
+        return info.refinements or _declared(Named(name, None)).elements
     if number == EXACT and single:
         return None
     sizes = [int(part) if part.isdecimal() and len(part) < 10 else 0 for part in number.split("+")]
@@ -201,11 +202,6 @@ def _value(text: str) -> int | float | str | bool | None:
     return text
 
 
-def find(name: str, argument: str = "model") -> Any:
-    """Return what is behind `name`; raises as `known`, and whatever loading raises."""
-    return known(name, argument).load()
-
-
 def known(name: str, argument: str) -> EntryPoint:
     """Return where `name` is, or raise `InputError` with the names there are."""
     points = _points(tuple(sys.path))
@@ -222,43 +218,125 @@ def _points(path: tuple[str, ...]) -> dict[str, EntryPoint]:
 
 def accepted(name: str) -> frozenset[str]:
     """Return the names of the settings that a model has besides its elements; none if unknown."""
+    if name not in _points(tuple(sys.path)):
+        return frozenset()
+    named = Named(name, None)
+    return _declared(named).settings if named.owner else _settings(_found(named))
+
+
+Elsewhere = Callable[[Callable[[Named], Any], Named], Any]
+_elsewhere: Elsewhere | None = None
+
+
+def ask(elsewhere: Elsewhere | None) -> None:
+    """Ask models of other packages by `elsewhere`; None: in this process, as before any call.
+
+    It calls a function of a model in a process of the model's owner, or raises `UnavailableError`.
+    """
+    global _elsewhere
+    _elsewhere = elsewhere
+
+
+def asked(what: Callable[[Named], Any], named: Named) -> Any:
+    """Return `what(named)`, found where the model may be loaded."""
+    return _elsewhere(what, named) if _elsewhere is not None and named.owner else what(named)
+
+
+def _declared(named: Named) -> Declaration:
+    """Return what a model says of itself; never raises but for a name that is unknown."""
+    known(named.name, "model")
+    # Without settings it is what its class says, whatever its elements.
+    mesh = _coarser(named) if named.settings else None
     try:
-        thing = find(name)
+        said = asked(declare, replace(named, elements=mesh))
+    except UnavailableError as error:
+        return Declaration(_unusable(str(error)))
+    if not isinstance(said, Declaration) or senseless(said.info, names()):
+        return Declaration(_unusable("what it says of itself cannot be read"))
+    return said
+
+
+def imported(named: Named) -> str:
+    """Return why a model's module cannot be imported here, "" once it is."""
+    module = known(named.name, "model").module
+    try:
+        import_module(module)
+    except (Exception, SystemExit) as error:
+        return f"it cannot be imported ({type(error).__name__}: {error})"
+    return ""
+
+
+def misfit(named: Named) -> str:
+    """Return why a model has no such elements or settings, "" if it has; loaded in this process.
+
+    Raises `UnavailableError` where it cannot be built at all.
+    """
+    try:
+        named.build()
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+def _found(named: Named) -> Any:
+    """Return what is behind a name, loaded in this process, or None where it cannot be."""
+    try:
+        return known(named.name, "model").load()
+    except (Exception, SystemExit):
+        return None
+
+
+def _settings(thing: Any) -> frozenset[str]:
+    try:
         own = getattr(thing, "settings", None)
         names = own if own is not None else inspect.signature(thing).parameters
-    except Exception:  # a plug-in that cannot be imported has none
+    except Exception:
         return frozenset()
-    return frozenset(names) - {"elements"}
+    return frozenset(map(str, names)) - {"elements"}
 
 
-def _info(named: Named) -> Info:
+def declare(named: Named) -> Declaration:
+    """Return what a model says of itself, loaded in this process."""
+    point = known(named.name, "model")
     try:
-        thing = find(named.name)
-    except InputError:
-        raise
-    except BaseException as error:
-        return _unusable(f"it cannot be imported ({type(error).__name__}: {error})")
+        thing = point.load()
+    except (Exception, SystemExit) as error:
+        return Declaration(_unusable(f"it cannot be imported ({type(error).__name__}: {error})"))
     try:
-        if "elements" not in inspect.signature(thing).parameters:
-            return _unusable("it takes no elements")
+        parameters = inspect.signature(thing).parameters
+        if "elements" not in parameters:
+            return Declaration(_unusable("it takes no elements"))
         said = thing.info()
-    except BaseException as error:
-        return _unusable(f"its info() raises {type(error).__name__}: {error}")
+    except (Exception, SystemExit) as error:
+        return Declaration(_unusable(f"its info() raises {type(error).__name__}: {error}"))
     if why := senseless(said, names()):
-        return _unusable(f"its info() {why}")
-    info: Info = said
+        return Declaration(_unusable(f"its info() {why}"))
+    default = parameters["elements"].default
+    own = default if _whole(default) else None
+    return Declaration(_refined(named, plain(said)), _settings(thing), own)
+
+
+def _whole(default: Any) -> bool:
+    """Whether a default is elements: a number, or two."""
+    some = default if isinstance(default, tuple) and len(default) == 2 else (default,)
+    return all(type(n) is int for n in some)
+
+
+def _refined(named: Named, info: Info) -> Info:
+    """Return the `info` of a model with its settings, where its class says `info`."""
     if named.settings and not info.missing:
         try:
             own = _one(named, _coarser(named)).info()
         except Exception:  # settings that it does not have: said when it is built
-            return info
-        info = own if isinstance(own, Info) else info
+            own = None
+        if not senseless(own, names()):
+            info = plain(own)
     given = dict(named.settings)
     if info.isolated and info.limit and given.keys() & {"beam", "shear"}:
         # A simulator's info is of its class, not of this one.
         exact = _exact(given.get("beam", info.limit), named.settings)
         info = replace(info, limit=exact.name, theory=exact.info().theory)
-    return info
+    return replace(info, isolated=info.isolated or bool(named.owner))
 
 
 def _exact(name: str, settings: tuple[tuple[str, Any], ...]) -> Named:
@@ -273,12 +351,12 @@ def _coarser(named: Named) -> Elements:
 
 
 def _unusable(why: str) -> Info:
-    return Info("unknown", "", "", 0, missing=why)
+    return Info("unknown", "", "", 0, missing=" ".join(why[:LONG].split()))
 
 
 @lru_cache(maxsize=256)
 def _built(named: Named) -> Any:
-    info = named.info()
+    info = declare(named).info
     if isinstance(named.elements, tuple):
         if info.refinements is None:
             raise InputError("elements", named.elements, "one number for this model")
@@ -288,7 +366,7 @@ def _built(named: Named) -> Any:
 
 
 def _one(named: Named, elements: Elements) -> Any:
-    thing = find(named.name)
+    thing = known(named.name, "model").load()
     if elements is None and thing.info().isolated:
         raise InputError("elements", None, f"a number of elements for {named.name}")
     given = dict(named.settings)

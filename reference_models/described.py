@@ -1,12 +1,34 @@
-"""Whether what a model says of itself can be used at all."""
+"""What a model says of itself, and whether it can be used at all."""
 
+import json
 from collections.abc import Collection
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from analytic.model import Info
 
 _WORDS = {str: "a text", bool: "true or false"}
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """All that is learnt of a model without running it.
+
+    Attributes: its `info`; the names of its `settings` besides elements; its own number of
+    `elements`, where it has one.
+    """
+
+    info: Info
+    settings: frozenset[str] = frozenset()
+    elements: int | tuple[int, int] | None = None
+
+
+def plain(info: Info) -> Info:
+    """Return an `info` that makes sense with none of its maker's own types in it."""
+    given = {one.name: getattr(info, one.name) for one in fields(Info)}
+    said = json.loads(json.dumps(given))
+    own: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in said.items()}
+    return Info(**own)
 
 
 def senseless(info: Any, known: Collection[str]) -> str:

@@ -56,9 +56,9 @@ def _cases(file: str | None) -> Iterable[str]:
 
 
 def _models(_file: str | None) -> Iterable[str]:
-    from reference_models import catalogue
+    from reference_models import names
 
-    return [name for name, _ in catalogue()]
+    return names()
 
 
 def _references(file: str | None) -> Iterable[str]:

@@ -12,6 +12,7 @@ from harness.tables import Table
 @click.command()
 def models() -> None:
     """List every model: its theory, version, and whether it can run here, or why not."""
+    from harness import plugins  # noqa: F401  models of other packages stay out of this process
     from reference_models import catalogue
 
     rows = [

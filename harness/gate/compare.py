@@ -147,10 +147,15 @@ def _sources(before: Measured, now: Measured) -> Iterator[Finding]:
 
 
 def failures(checked: Checked) -> Iterator[Finding]:
-    """Yield models that failed at a pose, and those that cannot run here."""
+    """Yield models that failed at a pose, and those that cannot run here.
+
+    The latter are failures too where they were asked for by name.
+    """
     for name, why in checked.plan.skipped.items():
         if why != NOT_ASKED:
-            yield Finding("source", name, "", None, "model", verdict=NOTED, cause=f"not run: {why}")
+            verdict = FAILED if name in checked.plan.asked else NOTED
+            yield Finding("source", name, "", None, "model", verdict=verdict,
+                          cause=f"not run: {why}")  # fmt: skip
     for study in checked.studies:
         for (case, model), why in study.failures.items():
             if (case, model) in study.refused:

@@ -36,7 +36,7 @@ class Plan:
 
     Attributes: `ladders`, each one model on ascending meshes, and `singles`, at `cases`; `mapped`
     at every pose of the workspace `poses`; `skipped`, by name, models that are left out and why;
-    `notes` in words.
+    `notes` in words; `asked` for by name: of these none may be left out.
     """
 
     cases: tuple[Case, ...]
@@ -46,6 +46,7 @@ class Plan:
     poses: tuple[Case, ...]
     skipped: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    asked: frozenset[str] = frozenset()
 
     @property
     def everywhere(self) -> tuple[Named, ...]:
@@ -77,7 +78,7 @@ def standard(
 ) -> Plan:
     """Return the standard study at `cases`: of the models called `names` only, if given.
 
-    `quick`: without models that take a second a pose. What cannot run here is left out. Raises
+    `quick`: without models that take a second a pose. What cannot run here is skipped. Raises
     `InputError` for a name that no model has.
     """
     known = dict(catalogue())
@@ -102,7 +103,8 @@ def standard(
     ]
     singles += [model for model in GATE_MORE if model.name in chosen]
     mapped = tuple(model for model in GATE_MAP if model.name in chosen)
-    plan = Plan(tuple(cases), ladders, tuple(singles), mapped, (), skipped)
+    asked = frozenset(names or ())
+    plan = Plan(tuple(cases), ladders, tuple(singles), mapped, (), skipped, asked=asked)
     try:
         return replace(plan, poses=workspace_cases(cases[0].mechanism, cases[0].pose.z))
     except InputError as error:

@@ -1,11 +1,12 @@
 """A job: one model at one block of poses; its content hash, and the work itself."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
@@ -19,7 +20,8 @@ from harness import declared
 from harness.answer import BatchTask, flaw, solved
 from harness.history.provenance import provenance
 from harness.poses import columns
-from reference_models import ModelError, UnavailableError
+from reference_models import ModelError, Named, UnavailableError
+from reference_models.catalogue import asked
 
 BATCH = 10 * CHUNK
 """Poses a job of a model that can neither crash nor hang: a fraction of a second's work."""
@@ -121,6 +123,17 @@ def jobs(
 def unusable(model: Model) -> str:
     """Return why a model cannot run here at all, "" if it can."""
     try:
+        return _asked(_unbuilt, model)
+    except UnavailableError as error:
+        return str(error)
+
+
+def _asked(what: Callable[[Any], str], model: Model) -> str:
+    return str(asked(what, model)) if isinstance(model, Named) else what(model)
+
+
+def _unbuilt(model: Model) -> str:
+    try:
         _built(model)
     except (UnavailableError, InputError) as error:
         return str(error)
@@ -140,7 +153,11 @@ def program_of(model: Model) -> str:
     if model not in _programs:
         info = model.info()
         bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
-        _programs[model] = f"{info.program} {info.version} ({bench}, source {_source(model)})"
+        try:
+            source = _asked(_source, model)
+        except UnavailableError:
+            source = "none"
+        _programs[model] = f"{info.program} {info.version} ({bench}, source {source})"
     return _programs[model]
 
 

@@ -54,11 +54,11 @@ class Beams:
 
 def beams_of(model: Model) -> Beams | None:
     """Return the beams of a model whose limbs are some, or None."""
+    if model.info().isolated:
+        return None
     built: Any = model.build() if hasattr(model, "build") else model
     theory = getattr(built, "theory", None)
-    if isinstance(theory, Theory) and not model.info().isolated:
-        return Beams(built.elements, theory)
-    return None
+    return Beams(built.elements, theory) if isinstance(theory, Theory) else None
 
 
 def check_modes(

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
+from harness import plugins
 from harness.cli.main import main
 from harness.tables import Number, Table
 
@@ -31,6 +32,7 @@ def rps_bench(
     def run(*arguments: str) -> Answer:
         monkeypatch.setattr(sys, "argv", ["rps-bench", *arguments])
         capsys.readouterr()
+        plugins.close()  # a command is a process of its own: it knows nothing yet
         with pytest.raises(SystemExit) as ended:
             main()
         captured = capsys.readouterr()

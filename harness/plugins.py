@@ -1,0 +1,90 @@
+"""Models of other packages are loaded, and asked what they are, in processes of their own.
+
+One that crashes, hangs, exits, prints or eats memory while it is imported or says what it is costs
+its own answers. Importing this module makes it so for all that asks in this process.
+"""
+
+import atexit
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from harness.workers import Children, Failure
+from reference_models import Named, UnavailableError
+from reference_models.catalogue import ask, imported, known
+
+PATIENCE = 60.0
+"""Seconds that a package may take to be imported, and a model to say what it is."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a function finds of a model, as a process of the model's owner answers it."""
+
+    model: Named
+    what: Callable[[Named], Any]
+
+    def solve(self) -> object:
+        """Return the answer."""
+        return self.what(self.model)
+
+
+class Owners:
+    """The processes of the packages on one `sys.path`, and what they have answered."""
+
+    def __init__(self) -> None:
+        self.path = tuple(sys.path)
+        self._children = Children()
+        self._imported: dict[str, str] = {}
+        self._answers: dict[Question, object] = {}
+
+    def answer(self, question: Question) -> object:
+        """Return an answer, or a `Failure`; each question is asked once."""
+        if question not in self._answers:
+            module = known(question.model.name, "model").module
+            if module not in self._imported:  # once for all that is in it: it may have hung
+                said = self._ask(Question(question.model, imported))
+                died = isinstance(said, Failure)
+                self._imported[module] = f"it cannot be imported: {said.reason}" if died else said
+            why = self._imported[module]
+            self._answers[question] = Failure(why) if why else self._ask(question)
+        return self._answers[question]
+
+    def _ask(self, question: Question) -> Any:
+        return self._children.attempt(question, PATIENCE, tries=1)
+
+    def close(self) -> None:
+        """End the processes."""
+        self._children.close()
+
+
+_owners: Owners | None = None
+
+
+def elsewhere(what: Callable[[Named], Any], named: Named) -> object:
+    """Return `what(named)` from a process of the model's owner.
+
+    Raises `UnavailableError` where there is none: the process dies, or takes longer than
+    `PATIENCE`, or `what` raises.
+    """
+    global _owners
+    if _owners is None or _owners.path != tuple(sys.path):
+        close()
+        _owners = Owners()
+    found = _owners.answer(Question(named, what))
+    if isinstance(found, Failure):
+        raise UnavailableError(found.reason)
+    return found
+
+
+def close() -> None:
+    """End the processes; the next question starts new ones."""
+    global _owners
+    if _owners is not None:
+        _owners.close()
+    _owners = None
+
+
+atexit.register(close)
+ask(elsewhere)
