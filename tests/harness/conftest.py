@@ -1,6 +1,7 @@
 """The command line as a person runs it, in this process."""
 
 import io
+import os
 import shutil
 import sys
 from collections import Counter
@@ -13,6 +14,7 @@ from rich.console import Console
 
 from harness import plugins
 from harness.cli.main import main
+from harness.studies import find
 from harness.tables import Number, Table
 
 
@@ -41,6 +43,55 @@ def rps_bench(
         return Answer(code, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def unheard(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[int, str]]:
+    """Runs a command whose standard output is a "pipe" that nobody reads, or a "full" device.
+
+    Returns its status and what it said; checks that it says nothing of a pipe, but of the other.
+    """
+
+    def run(how: str, *arguments: str) -> tuple[int, str]:
+        if how == "pipe":
+            reader, writer = os.pipe()
+            os.close(reader)
+        else:
+            writer = os.open("/dev/full", os.O_WRONLY)
+        err = io.StringIO()
+        with monkeypatch.context() as patched, os.fdopen(writer, "w") as out:
+            patched.setattr(sys, "argv", ["rps-bench", *arguments])
+            patched.setattr(sys, "stdout", out)
+            patched.setattr(sys, "stderr", err)
+            with pytest.raises(SystemExit) as ended:
+                main()
+        assert isinstance(ended.value.code, int)
+        said = err.getvalue()
+        assert "Traceback" not in said and ("cannot show more" in said) == (how == "full"), said
+        return ended.value.code, said
+
+    return run
+
+
+@pytest.fixture
+def writes_first(
+    unheard: Callable[..., tuple[int, str]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str, object], None]:
+    """Checks that a study whose output nobody reads writes all files and the history.
+
+    Its result is taken as given: that of the module's other tests.
+    """
+
+    def check(name: str, result: object) -> None:
+        monkeypatch.setattr(find(name).load(), "run", lambda *_: result)
+        monkeypatch.setenv("RPS_BENCH_HISTORY", str(tmp_path / "past"))
+        status, said = unheard("pipe", name, "--output", str(tmp_path / "out"))
+        assert status == 0, said
+        names = {path.name for path in (tmp_path / "out").iterdir()}
+        assert {f"{name}-data.csv", f"{name}.svg"} <= names
+        assert len(list((tmp_path / "past").glob("*.parquet"))) == 1
+
+    return check
 
 
 @pytest.fixture

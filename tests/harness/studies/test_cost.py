@@ -155,3 +155,9 @@ def test_no_digit_of_its_tables_is_cut(cost: Cost, whole: Callable[[Table], None
     assert len(cost.tables()) > 1
     for table in cost.tables().values():
         whole(table)
+
+
+def test_what_nobody_reads_is_written_all_the_same(
+    cost: Cost, writes_first: Callable[[str, object], None]
+) -> None:
+    writes_first("cost", cost)

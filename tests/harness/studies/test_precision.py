@@ -127,3 +127,9 @@ def test_no_digit_of_its_tables_is_cut(
     assert len(result.tables()) > 1
     for table in result.tables().values():
         whole(table)
+
+
+def test_what_nobody_reads_is_written_all_the_same(
+    result: WorkPrecision, writes_first: Callable[[str, object], None]
+) -> None:
+    writes_first("work-precision", result)
