@@ -117,7 +117,7 @@ def _gone(log: Path) -> None:
     """What a model started in a session of its own has ended with its process."""
     left = [int(line) for line in log.read_text().split()]
     assert left
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 300
     while any(_runs(process) for process in left):
         assert time.monotonic() < deadline
         time.sleep(0.02)

@@ -65,7 +65,7 @@ class SlowSweep:
         return self.log.read_text().count("\n") if self.log.exists() else 0
 
     def wait_for(self, poses: int) -> None:
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 300
         while self.solved() < poses:
             assert time.monotonic() < deadline
             time.sleep(0.01)
