@@ -1,6 +1,6 @@
 """What studies that set models beside each other share: errors, notes, and cells."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,13 +124,14 @@ def pairing_notes(
     return notes
 
 
-def failure_notes(*studies: Study) -> list[str]:
-    """Return a sentence for every model that failed at a case."""
+def failure_notes(*studies: Study, of: Collection[Model] | None = None) -> list[str]:
+    """Return a sentence for every model (`of` these, by default any) that failed at a case."""
     return list(dict.fromkeys(
         f"{label(model)} "
         f"{'cannot take' if (case, model) in study.refused else 'failed at'} {case.name}: {why}"
         for study in studies
         for (case, model), why in study.failures.items()
+        if of is None or model in of
     ))  # fmt: skip
 
 
@@ -147,6 +148,11 @@ def percent(value: float) -> str:
 def at_most(value: float) -> str:
     """Return a bound [%] in words."""
     return f"at most {value:.2g} %" if value >= 1e-3 else percent(value)
+
+
+def up_to(value: float) -> str:
+    """Return the largest of some sizes [%] in words."""
+    return f"up to {percent(value)}" if value >= 1e-3 else percent(value)
 
 
 def span(values: Array, *, signed: bool = False) -> str:

@@ -27,6 +27,7 @@ from harness.compare import (
     percent,
     relative_error,
     span,
+    up_to,
 )
 from harness.paper import TABLE_ONE, THEORETICAL, Paper
 from harness.plan import Plan
@@ -69,6 +70,15 @@ class TableOne(Result):
         """What was solved for it."""
         return (self.study, *self.readings)
 
+    @property
+    def taking(self) -> tuple[Model, ...]:
+        """The references that can take at least one of the cases."""
+        refused = self.study.refused
+        return tuple(
+            model for model in self.references
+            if not all((case, model) in refused for case in self.study.cases)
+        )  # fmt: skip
+
     def records(self) -> list[dict[str, Any]]:
         """Return one row a case, model and mode: `Study.rows` of the table itself."""
         return self.study.rows()
@@ -85,7 +95,7 @@ class TableOne(Result):
             found["-readings"] = readings_table(self.readings)
             papers = (case.paper for one in self.readings for case in one.cases if case.paper)
             found["-errata"] = errata_table(next(papers))
-        found["-seen"] = seen_table(self.references, self.absent)
+        found["-seen"] = seen_table(self.taking, self.absent)
         return found | {"-provenance": provenance_table(self.study)}
 
     def _table_one(self) -> Table:
@@ -102,7 +112,7 @@ class TableOne(Result):
                 rows += list(self._printed(case, theory))
         notes += [
             f"{label(model)}: {remark}"
-            for model in self.references if (remark := model.info().remark)
+            for model in self.taking if (remark := model.info().remark)
         ]  # fmt: skip
         notes += case_notes(self.study.cases) + failure_notes(self.study)
         notes += [f"{name} cannot run here: {why}" for name, why in self.absent.items()]
@@ -138,20 +148,21 @@ class TableOne(Result):
         rows: list[tuple[Cell, ...]] = []
         for case in self.study.complete(theory):
             ours = self.study.answers[case, theory].frequencies
-            found = [match(self.study, case, theory, model) for model in self.references]
+            found = {model: match(self.study, case, theory, model) for model in self.taking}
             for i in self.shown:
                 said = []
-                for one in found:
+                for model, one in found.items():
                     if one is None:
-                        said.append("failed")
+                        refused = (case, model) in self.study.refused
+                        said.append("cannot take it" if refused else "failed")
                         continue
                     error = cell(one.error[i - 1], 3, signed=True)
                     unit, mark = "" if error == "-" else " %", " *" if one.odd[i - 1] else ""
                     said.append(f"{one.against[i - 1]:.3f} ({error}{unit}){mark}")
                 rows.append((case.name, f"f{i}", Number(float(ours[i - 1])), *said))
         about = "in brackets: error of the theoretical value; *: paired by shape against the order"
-        columns = ("Case", "Mode", label(theory), *map(label, self.references))
-        notes = (about, *failure_notes(self.study))
+        columns = ("Case", "Mode", label(theory), *map(label, self.taking))
+        notes = (about, *failure_notes(self.study, of=self.taking))
         return Table("Every reference beside the theory [Hz]", columns, tuple(rows), notes)
 
     def sentences(self) -> list[str]:
@@ -291,7 +302,7 @@ def causes(study: Study, theory: Model) -> list[str]:
         lines.append(
             "Beam theory costs "
             + " and ".join(
-                f"up to {percent(np.nanmax(part))} on {name}"
+                f"{up_to(float(np.nanmax(part)))} on {name}"
                 for name, part in groups
                 if np.isfinite(part).any()
             )

@@ -8,6 +8,7 @@ import pytest
 
 from harness.bench import run
 from harness.case_file import load_cases
+from harness.cases import PRESETS
 from harness.studies.table import TableOne
 from reference_models import Named
 
@@ -26,6 +27,11 @@ def test_a_refusal_is_told_from_a_failure() -> None:
     ((what, why),) = result.refusals().items()
     assert what == "mujoco-cable at prs"
     assert why.startswith("mechanism = 'limb 1, P-body-R-rod-S'")
+    # What takes no case has no column; beside a case that it takes, its cell says so.
+    assert result.tables()["-references"].columns[3:] == ("exudyn-beam@2",)
+    both = run([PRESETS["case1"], case], [theory, TAKES, CANNOT])
+    table = TableOne(both, (theory,), (TAKES, CANNOT), (1,), ()).tables()["-references"]
+    assert [row[-1] for row in table.rows][1:] == ["cannot take it"]
 
 
 @pytest.mark.parametrize(
