@@ -18,16 +18,16 @@ tilt_deg = -12
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from analytic import InputError, Limb, Material, Mechanism, Platform, Rod
-from analytic.errors import count, number, vector
+from analytic.errors import count, vector
 from analytic.mechanism import (
     DENSITY,
     LARGEST,
@@ -38,11 +38,21 @@ from analytic.mechanism import (
     shear_range,
 )
 from harness.case import Case
-from harness.chain_file import POSE, UNITS, chain_mechanism, materials, read_pose, rods
+from harness.chain_file import (
+    POSE,
+    chain_mechanism,
+    get,
+    materials,
+    one_of,
+    only,
+    read_pose,
+    rods,
+)
 from harness.paper import CASES, CHECKED, folder, names, read_paper
 from reference_models import parse
 
 Table = dict[str, Any]
+_size = partial(get, positive=True)
 OF_PAPER = ("published", "errata", "title")
 """The keys that a case of a paper may have beside those of every case."""
 DIGITS = 4300
@@ -98,7 +108,7 @@ def _read(path: Path, *more: str) -> dict[str, Case]:
     except RecursionError:
         where = _line(text, lambda line: line.count("[") + line.count("{"))
         raise InputError("case_file", str(path), f"fewer brackets in {where}") from None
-    _only(data, "the file", "materials", "rods", "mechanisms", "cases")
+    only(data, "the file", "materials", "rods", "mechanisms", "cases")
     known = rods(_tables(data, "rods"), materials(_tables(data, "materials")))
     mechanisms = {
         "paper": Mechanism.paper(),
@@ -131,37 +141,15 @@ def _tables(data: Table, key: str) -> dict[str, Table]:
     return tables
 
 
-def _only(table: Table, where: str, *keys: str) -> None:
-    for key in table:
-        if key not in keys:
-            raise InputError(where, key, f"only the keys {', '.join(dict.fromkeys(keys))}")
-
-
-def _get(table: Table, where: str, key: str, default: float | None = None) -> float:
-    """Return the number that `key` gives, above zero unless it may be left out or is a height."""
-    positive = default is None and key != "z_mm"
-    if key not in table and default is not None:
-        return default
-    unit = next(words for end, words in UNITS.items() if key.endswith(f"_{end}"))
-    expected = f"a {'positive' if positive else 'finite'} number of {unit}"
-    return number(f"{where}.{key}", table.get(key), expected, positive=positive)
-
-
-def _one_of(table: Table, where: str, key: str, default: str, names: Iterable[str]) -> str:
-    name = table.get(key, default)
-    if not isinstance(name, str) or name not in names:
-        raise InputError(f"{where}.{key}", name, f"one of {', '.join(names)}")
-    return name
-
-
 def _case(
     name: str, table: Table, mechanisms: dict[str, Mechanism], source: str, more: tuple[str, ...]
 ) -> Case:
     where = f"cases.{name}"
-    _only(table, where, "mechanism", *POSE, "model", "note", *more)
+    only(table, where, "mechanism", *POSE, "model", "note", *more)
     if "," in name:
         raise InputError(where, name, "a name without commas")
-    mechanism = _one_of(table, where, "mechanism", "paper", mechanisms)
+    mechanism = table.get("mechanism", "paper")
+    there = one_of(mechanism, f"{where}.mechanism", mechanisms)
     z = table.get("z_mm", 0.0)
     if isinstance(z, (int, float)) and abs(z) > LARGEST * 1000:
         raise InputError(f"{where}.z_mm", z, f"at most {LARGEST * 1000:g} millimetres")
@@ -170,7 +158,7 @@ def _case(
     theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
     published, title = (str(table.get(key, "")) for key in ("published", "title"))
     errata = tuple(map(str, table.get("errata", ())))
-    return Case(name, mechanisms[mechanism], pose, note, theory, published, errata, title)
+    return Case(name, there, pose, note, theory, published, errata, title)
 
 
 def _mechanism(table: Table, where: str) -> Mechanism:
@@ -184,7 +172,7 @@ def _mechanism(table: Table, where: str) -> Mechanism:
         if "platform_mass_kg" in table
         else ("platform_thickness_mm", "platform_radius_mm", "inertia")
     )
-    _only(table, where, "young_GPa", "shear_GPa", "density_kg_m3", "rod_diameter_mm", *shape, *body)
+    only(table, where, "young_GPa", "shear_GPa", "density_kg_m3", "rod_diameter_mm", *shape, *body)
     material = _material(table, where)
     platform = _platform(table, where, material)
     if "limb" in table:
@@ -195,19 +183,19 @@ def _mechanism(table: Table, where: str) -> Mechanism:
             tuple(_limb(limb, f"{where}.limb", table, material) for limb in limbs), platform
         )
     return Mechanism.regular(
-        _get(table, where, "base_radius_mm") / 1000,
-        _get(table, where, "platform_radius_mm") / 1000,
+        _size(table, where, "base_radius_mm") / 1000,
+        _size(table, where, "platform_radius_mm") / 1000,
         _rod(table, where, material),
         platform,
         limbs=count(f"{where}.limbs", table.get("limbs", 3), at_most=MOST_LIMBS),
-        heading=float(np.radians(_get(table, where, "heading_deg", 0.0))),
+        heading=float(np.radians(get(table, where, "heading_deg", 0.0))),
     )
 
 
 def _material(table: Table, where: str) -> Material:
     """Return the material, refused in the file's own keys and units."""
     keys = ("young_GPa", "shear_GPa", "density_kg_m3")
-    young, shear, density = (_get(table, where, key) for key in keys)
+    young, shear, density = (_size(table, where, key) for key in keys)
     for key, value, (low, high) in (
         ("young_GPa", young, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
         ("shear_GPa", shear, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
@@ -221,7 +209,7 @@ def _material(table: Table, where: str) -> Material:
 
 
 def _rod(table: Table, where: str, material: Material) -> Rod:
-    diameter = _get(table, where, "rod_diameter_mm")
+    diameter = _size(table, where, "rod_diameter_mm")
     if not SMALLEST <= diameter / 1000 <= LARGEST:
         low, high = 1000 * SMALLEST, 1000 * LARGEST
         raise InputError(f"{where}.rod_diameter_mm", diameter, f"{low:g} to {high:g} millimetres")
@@ -231,15 +219,16 @@ def _rod(table: Table, where: str, material: Material) -> Rod:
 def _platform(table: Table, where: str, material: Material) -> Platform:
     if "platform_mass_kg" in table:
         key = f"{where}.platform_inertia_kg_m2"
-        mass, inertia = _get(table, where, "platform_mass_kg"), table.get("platform_inertia_kg_m2")
+        mass, inertia = _size(table, where, "platform_mass_kg"), table.get("platform_inertia_kg_m2")
         try:
             return Platform(mass, inertia)  # type: ignore[arg-type]
         except InputError as error:
             raise InputError(key, inertia, error.expected) from None
     forms = {"disc": Platform.disc, "printed": Platform.as_printed}
-    return forms[_one_of(table, where, "inertia", "disc", forms)](
-        _get(table, where, "platform_radius_mm") / 1000,
-        _get(table, where, "platform_thickness_mm") / 1000,
+    form: Callable[..., Platform] = one_of(table.get("inertia", "disc"), f"{where}.inertia", forms)
+    return form(
+        _size(table, where, "platform_radius_mm") / 1000,
+        _size(table, where, "platform_thickness_mm") / 1000,
         material.density,
     )
 
@@ -247,7 +236,7 @@ def _platform(table: Table, where: str, material: Material) -> Platform:
 def _limb(limb: Any, where: str, table: Table, material: Material) -> Limb:
     if not isinstance(limb, dict):
         raise InputError(where, limb, f"tables called [[{where}]]")
-    _only(limb, where, "base_mm", "axis", "platform_point_mm", "rod_diameter_mm")
+    only(limb, where, "base_mm", "axis", "platform_point_mm", "rod_diameter_mm")
     rod = _rod({**table, **limb}, where, material)
 
     def metres(key: str) -> tuple[float, float, float]:

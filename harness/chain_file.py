@@ -53,16 +53,26 @@ def only(table: Any, where: str, *keys: str) -> Table:
         raise InputError(where, table, f"a table with the keys {', '.join(keys)}")
     for key in table:
         if key not in keys:
-            raise InputError(where, key, f"only the keys {', '.join(keys)}")
+            raise InputError(where, key, f"only the keys {', '.join(dict.fromkeys(keys))}")
     return table
 
 
-def get(table: Table, where: str, key: str, default: float | None = None) -> float:
+def get(
+    table: Table, where: str, key: str, default: float | None = None, *, positive: bool = False
+) -> float:
     """Return a number of a table, or `default`; raises `InputError` naming the key."""
     if key not in table and default is not None:
         return default
     unit = next((f" of {words}" for end, words in UNITS.items() if key.endswith(f"_{end}")), "")
-    return number(f"{where}.{key}", table.get(key), f"a finite number{unit}")
+    expected = f"a {'positive' if positive else 'finite'} number{unit}"
+    return number(f"{where}.{key}", table.get(key), expected, positive=positive)
+
+
+def one_of(name: Any, where: str, known: Mapping[str, Any]) -> Any:
+    """Return what is known by a name; raises `InputError` naming what there is."""
+    if not isinstance(name, str) or name not in known:
+        raise InputError(where, name, f"one of {', '.join(known)}")
+    return known[name]
 
 
 def materials(tables: Mapping[str, Table]) -> dict[str, Material]:
@@ -85,7 +95,7 @@ def rods(tables: Mapping[str, Table], known: Mapping[str, Material]) -> dict[str
     for name, table in tables.items():
         where = f"rods.{name}"
         only(table, where, "material", "diameter_mm", "bore_mm", *SECTION)
-        material = _one(table.get("material"), f"{where}.material", known)
+        material = one_of(table.get("material"), f"{where}.material", known)
         if "diameter_mm" in table:
             bore = get(table, where, "bore_mm", 0.0) / 1000
             section = Section.round(get(table, where, "diameter_mm") / 1000, bore)
@@ -169,7 +179,7 @@ def _limbs(table: Any, where: str, known: Mapping[str, Rod]) -> list[Limb]:
 def _item(table: Any, where: str, base: Three, known: Mapping[str, Rod]) -> Any:
     if isinstance(table, dict) and "rod" in table:
         only(table, where, "rod", "length_mm")
-        rod = _one(table["rod"], f"{where}.rod", known)
+        rod = one_of(table["rod"], f"{where}.rod", known)
         length = get(table, where, "length_mm") / 1000 if "length_mm" in table else None
         return Rod(rod.material, rod.section, length)
     if isinstance(table, dict) and "link" in table:
@@ -262,12 +272,6 @@ def _tensor(given: Any, where: str) -> Any:
         x, y, z = vector(where, given, "three moments of inertia, or three rows of three")
         return ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
     return given
-
-
-def _one(name: Any, where: str, known: Mapping[str, Any]) -> Any:
-    if not isinstance(name, str) or name not in known:
-        raise InputError(where, name, f"one of {', '.join(known)}")
-    return known[name]
 
 
 SHORT = {f"{name}_{'mm' if name in LENGTHS else 'deg'}": name for name in NAMES}

@@ -1,32 +1,23 @@
 """What the main job is asked for; every study makes its own requests of it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
-from harness.case import Case
 from harness.request import Request
 from reference_models import Named
 
 
 @dataclass(frozen=True)
-class Plan:
-    """Cases, theory and references; Table I and Fig. 3 are drawn against the first of these.
+class Plan(Request):
+    """What the main job is asked for; Table I and Fig. 3 are drawn against the first reference.
 
     Attributes: as of `Request`; `elements` of Fig. 3; `solid`: what stands for three-dimensional
-    truth, None where no solid can run; `case_file`: whether the cases are the user's own;
-    `absent`: why simulators cannot run here, by name.
+    truth, None where no solid can run; `case_file`: whether the cases are the user's own.
     """
 
-    cases: tuple[Case, ...]
-    theory: Named
-    references: tuple[Named, ...]
     elements: tuple[int, ...] = tuple(range(1, 9))
-    shown: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
     solid: Named | None = None
     case_file: bool = False
-    options: Mapping[str, Any] = field(default_factory=dict)
-    absent: Mapping[str, str] = field(default_factory=dict)
 
     def request(self, **changes: Any) -> Request:
         """Return what a study is asked for, some of it changed; elements are each model's own."""

@@ -1,6 +1,7 @@
 """Texts to objects: what people write on the command line, in files, and in notebooks."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -34,8 +35,8 @@ GROUPS: dict[str, tuple[str, ...] | None] = {
 _OUTSIDE = re.compile(r",(?![^\[]*\])")
 
 
-def request(study: ModuleType, texts: dict[str, str | None]) -> Request:
-    """Return what `texts` (argument to text, None where left out) ask of `study`.
+def request(study: ModuleType | None, texts: Mapping[str, str | None]) -> Request:
+    """Return what `texts` (argument to text, None where left out) ask of `study`, if of any.
 
     Raises `InputError` naming the argument that cannot be read.
     """
@@ -145,19 +146,7 @@ def shear_coefficient(text: str | None) -> dict[str, str | float]:
 
 def plan(texts: dict[str, str | None]) -> Plan:
     """Return what `texts` ask of the main job; the references are all that can run here."""
+    usual = {"references": "all", "elements": "1-8", "modes": DEFAULTS["modes"]}
     given = {name: text for name, text in texts.items() if text is not None}
-    shear = shear_coefficient(given.get("shear"))
-    cases = chosen(given.get("cases"), given.get("case_file"), PAPER_CASES)
-    named = given.get("model")
-    theory = parse(named, "model", **shear) if named else cases[0].theory.given(**shear)
-    references = given.get("references", "all")
-    return Plan(
-        tuple(cases),
-        theory,
-        tuple(models(references, "references", **shear)),
-        tuple(numbers("elements", given.get("elements", "1-8"), MOST_ELEMENTS)),
-        tuple(numbers("modes", given.get("modes", "1-6"), MOST_MODES)),
-        solid_truth(),
-        "case_file" in given,
-        absent=absent(references),
-    )
+    asked = request(None, usual | given)
+    return Plan(**vars(asked), solid=solid_truth(), case_file="case_file" in given)

@@ -14,7 +14,7 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
-from harness.request import Option, Request
+from harness.request import Option, Request, whole
 from harness.result import Result
 from harness.studies.cost.cores import Throughput, cores_table, throughput
 from harness.studies.cost.growth import growth_table
@@ -22,7 +22,7 @@ from harness.studies.cost.peers import Peers, measured, peers_table
 from harness.studies.cost.ratios import Ratio, ratios, ratios_table
 from harness.studies.cost.simulators import simulators_table
 from harness.studies.cost.work import counted, work_table
-from harness.studies.precision import COUNT, SOLVERS, timed_rows, whole_number
+from harness.studies.precision import COUNT, SOLVERS, timed_rows
 from harness.tables import Cell, Number, Table
 from harness.timing import Timed, Timings, Way, time_ways
 from reference_models import Named
@@ -41,7 +41,7 @@ MOST_POSES = 1_000_000
 
 
 def _batches(text: str) -> tuple[int, ...]:
-    sizes = [whole_number("batches", part.strip(), MOST_POSES) for part in text.split(",")]
+    sizes = [whole("batches", 1, MOST_POSES)(part.strip()) for part in text.split(",")]
     if len(sizes) > 32:
         raise InputError("batches", text, "at most 32 sizes, such as 1,10,100")
     return tuple(sorted(set(sizes)))
@@ -50,9 +50,9 @@ def _batches(text: str) -> tuple[int, ...]:
 DEFAULTS = {"references": "all", "elements": "1,2,4,8,16,32,64", "cases": "case2"}
 OPTIONS = (
     Option("repeats", "N", "How often everything is timed; default 7.", "7",
-           lambda text: whole_number("repeats", text, 1000)),
+           whole("repeats", 1, 1000)),
     Option("poses_a_core", "N", "Poses a core where all cores work; default 100000.", "100000",
-           lambda text: whole_number("poses_a_core", text, MOST_POSES)),
+           whole("poses_a_core", 1, MOST_POSES)),
     Option("batches", "N,N", "Poses a call; default 1,10,100,1000,10000,100000.",
            "1,10,100,1000,10000,100000", _batches),
 )  # fmt: skip

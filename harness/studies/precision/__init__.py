@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError, Modes
-from analytic.errors import count as whole
+from analytic import Modes
 from analytic.model import Model
 from analytic.pairing import pair
 from harness.bench import SPARE, Bench, Study, label
@@ -18,7 +17,7 @@ from harness.causes import THEORIES
 from harness.compare import failure_notes, relative_error
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS, solid_truth
-from harness.request import Option, Request
+from harness.request import Option, Request, whole
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.tables import Cell, Number, Table
@@ -46,17 +45,10 @@ SOLVERS = ("null-space", "saddle-point")
 DEFAULTS = {"references": "all"}
 OPTIONS = (
     Option("rounds", "N", "How often everything is timed; default 3.", "3",
-           lambda text: whole_number("rounds", text, 1000)),
+           whole("rounds", 1, 1000)),
 )  # fmt: skip
 EXTRA = 2 * SPARE
 """Modes solved for beyond COUNT, as extrapolation needs them."""
-
-
-def whole_number(argument: str, text: str, most: int) -> int:
-    """Return `text` as a whole number from 1 to `most`, or raise `InputError`."""
-    if not (text.isascii() and text.isdecimal()) or not 1 <= int(text[:12]) <= most:
-        raise InputError(argument, text, f"a whole number from 1 to {most}")
-    return whole(argument, int(text))
 
 
 @dataclass(frozen=True)

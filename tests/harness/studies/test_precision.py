@@ -9,12 +9,12 @@ from analytic import InputError
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.studies.precision import (
+    OPTIONS,
     OWN,
     SOLID,
     STEPS,
     WorkPrecision,
     every_way,
-    whole_number,
     work_precision,
 )
 from harness.tables import Table
@@ -118,7 +118,7 @@ def test_every_way_has_every_theory_and_rival() -> None:
 @pytest.mark.parametrize("text", ["0", "-1", "1001", "three", "", "1e2", "9" * 40])
 def test_bad_numbers_of_rounds(text: str) -> None:
     with pytest.raises(InputError, match=r"^rounds = .*: expected a whole number from 1 to 1000$"):
-        whole_number("rounds", text, 1000)
+        OPTIONS[0].parse(text)
 
 
 def test_no_digit_of_its_tables_is_cut(
