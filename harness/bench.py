@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from analytic import InputError, Mechanism, Modes, Pose, limbs_at
 from analytic.model import Model
@@ -11,6 +11,7 @@ from harness import plugins  # noqa: F401  models of other packages stay out of 
 from harness.answer import NotTakenError, believed
 from harness.case import Case
 from harness.declared import available
+from harness.listener import Listener
 from harness.rows import mode_rows, settings
 from harness.workers import LIMIT, Children, Failure, Task, attempt
 from reference_models import ModelError
@@ -38,35 +39,6 @@ def refuse_others(cases: Iterable[object], models: Iterable[object]) -> None:
 def label(model: Model) -> str:
     """Return what tables call a model: its label in the catalogue, or its parameters."""
     return str(getattr(model, "label", None) or repr(model))
-
-
-class Listener(Protocol):
-    """What hears how far a run is."""
-
-    def expect(self, number: int) -> None:
-        """Take in that so many more steps are to come."""
-        ...
-
-    def begin(self, what: str) -> None:
-        """Take in that a step, in words, begins."""
-        ...
-
-    def done(self, what: str) -> None:
-        """Take in that a step, in words, is finished."""
-        ...
-
-
-class Silent:
-    """A listener that says nothing."""
-
-    def expect(self, number: int) -> None:
-        """Do nothing."""
-
-    def begin(self, what: str) -> None:
-        """Do nothing."""
-
-    def done(self, what: str) -> None:
-        """Do nothing."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +119,7 @@ class Bench:
 
     def __init__(self, limit: float = LIMIT, listener: Listener | None = None) -> None:
         self.limit = limit
-        self.listener: Listener = Silent() if listener is None else listener
+        self.listener = listener or Listener()
         self._children = Children()
         self._kept: dict[Hashable, Modes | Failure] = {}
 

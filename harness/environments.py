@@ -13,8 +13,9 @@ import numpy as np
 
 from analytic import Info, InputError, Modes
 from harness.answer import checked
-from harness.bench import SPARE, Listener, ModesTask, Silent, label
+from harness.bench import SPARE, ModesTask, label
 from harness.case import Case
+from harness.listener import Listener
 from harness.tables import Cell, Number, Table
 from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse
@@ -70,7 +71,7 @@ def compare(
     The environments lie over this one, which is left as it is. Raises `UnavailableError` without
     uv or where it cannot make an environment.
     """
-    tell = Silent() if listener is None else listener
+    tell = listener or Listener()
     tell.expect(2 * len(models))
     first, second = (_solve(one, cases, models, count, limit, tell) for one in (before, after))
     rows: list[tuple[Cell, ...]] = []

@@ -28,8 +28,6 @@ from reference_models import ModelError, Named, parse
 from reference_models.catalogue import known
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from harness.bench import Study
 
 LEVEL, TILTED = PRESETS["case1"], PRESETS["case2"]
@@ -70,12 +68,9 @@ class Verified(Result):
         """Return what fails by its question: what was found instead."""
         return {one.question: one.found for one in self.answers if one.holds is False}
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> list[dict[str, Any]]:
         """Return one row a question."""
-        import pandas as pd
-
-        rows = [(self.name, one.question, one.holds, one.found) for one in self.answers]
-        return pd.DataFrame(rows, columns=["model", "question", "holds", "found"])
+        return [{"model": self.name, **vars(one)} for one in self.answers]
 
     def tables(self) -> dict[str, Table]:
         """Return one row a question."""

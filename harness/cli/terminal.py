@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 import click
 
 from harness.cli.flags import as_typed
+from harness.listener import Listener
 from harness.plain import plain
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from harness.tables import Table
 
 
-class Bar:
+class Bar(Listener):
     """A progress bar on the terminal's error stream: what runs, for how long, and how long yet."""
 
     def __init__(self) -> None:

@@ -26,7 +26,6 @@ from reference_models import Named
 from reference_models.richardson import Richardson
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -136,11 +135,9 @@ class WorkPrecision(Result):
         ]  # fmt: skip
         return min(good, key=lambda p: p.seconds, default=None)
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> list[dict[str, Any]]:
         """Return one row a way: seconds, coordinates and its largest errors."""
-        import pandas as pd
-
-        return pd.DataFrame([
+        return [
             {
                 "method": p.method, "elements": p.size, "poses_a_call": max(1, p.poses),
                 "seconds_a_pose": p.seconds, "dofs": p.dofs,
@@ -150,7 +147,7 @@ class WorkPrecision(Result):
                 },
             }
             for p in self.points
-        ])  # fmt: skip
+        ]  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the cheapest ways to a precision, and the front."""
