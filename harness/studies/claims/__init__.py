@@ -18,7 +18,6 @@ from harness.studies.claims import (
     check_cost,
     check_equations,
     check_models,
-    check_paper,
     check_printed,
     check_workspace,
 )
@@ -59,7 +58,6 @@ CHECKS: dict[str, Callable[[Facts, Args], Outcome]] = {
         check_cost,
         check_equations,
         check_models,
-        check_paper,
         check_printed,
         check_workspace,
     )
