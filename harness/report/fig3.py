@@ -1,10 +1,9 @@
 """Fig. 3: error against the number of elements, with the floor that no number removes."""
 
 from analytic.model import Model
-from analytic.pairing import pair
 from harness.bench import label
 from harness.case import Case
-from harness.compare import relative_error
+from harness.compare import at, match
 from harness.report.material import Material
 from harness.report.section import Json, Section, digits
 from harness.studies.convergence import Convergence
@@ -64,15 +63,9 @@ def _errors(
     run: Material, case: Case, model: Model | None, reference: Model
 ) -> list[float | None] | None:
     """Return 100 (f / f_reference - 1) [%] of the modes shown, paired by shape, or None."""
-    ours = run.answers.get((case, model)) if model else None
-    against = run.answers[case, reference]
-    count = max(run.plan.shown)
-    if ours is None or len(against.frequencies) < count:
-        return None
-    first = ours.first(count)
-    partner = pair(first, against, case.mechanism, case.pose).partner
-    error = relative_error(first.frequencies, against.frequencies[partner])
-    return [digits(error[i - 1], 8) for i in run.plan.shown]
+    short = len(run.answers[case, reference].frequencies) < run.plan.count
+    found = None if short or model is None else match(run.study, case, model, reference)
+    return None if found is None else digits(at(found.error, run.plan.shown), 8)
 
 
 def _described(run: Material, case: Case, reference: Model) -> Json:

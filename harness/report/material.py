@@ -1,5 +1,6 @@
 """What the sections are made from: the results of one run, and every answer in them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property
@@ -7,7 +8,7 @@ from typing import Any, TypeVar
 
 from analytic import Modes
 from analytic.model import Model
-from harness.bench import SPARE, label
+from harness.bench import SPARE, Study, label
 from harness.case import Case
 from harness.plan import Plan
 from harness.report.ledger import Ledger, answer, environment
@@ -51,9 +52,14 @@ class Material:
         """Return what the study called `name` made, or None where it was not asked."""
         return next((part for part in self.parts if part.entry.name == name), None)
 
+    @property
+    def answers(self) -> Mapping[tuple[Case, Model], Modes]:
+        """Every answer of the run at the plan's cases."""
+        return self.study.answers
+
     @cached_property
-    def answers(self) -> dict[tuple[Case, Model], Modes]:
-        """Every answer of the run at the plan's cases; of two of a model the one of more modes."""
+    def study(self) -> Study:
+        """All that was solved at the plan's cases; of two answers of a model that of more modes."""
         found: dict[tuple[Case, Model], Modes] = {}
         for study in (study for result in self.results for study in result.studies):
             for (case, model), modes in study.answers.items():
@@ -61,7 +67,7 @@ class Material:
                 more = known is None or len(known.frequencies) < len(modes.frequencies)
                 if more and case in self.plan.cases:
                     found[case, model] = modes
-        return found
+        return Study(self.plan.cases, (), self.plan.count, found, {})
 
     def models(self, case: Case) -> list[Model]:
         """Return the models with an answer at `case`."""

@@ -8,7 +8,7 @@ import numpy as np
 from analytic.model import Model
 from harness.bench import label
 from harness.case import Case
-from harness.compare import PERCENT, relative_error
+from harness.compare import PERCENT, match, relative_error
 from harness.paper import CHECKED, TABLE_ONE
 from harness.report.material import Material
 from harness.report.section import Json, Section, number
@@ -56,19 +56,16 @@ def _rows(run: Material, table: TableOne, case: Case) -> list[Json]:
             cells = _errors(run, table, case, f"100 ({made} - 1)", what, [record], off)
             rows.append(_row(what, "", "printed", cells))
         for reference in table.references:
-            against = table.study.get(case, reference)
-            pairing = table.study.pairing(case, theory, reference)
-            if against is None or pairing is None:
+            found = match(table.study, case, theory, reference)
+            if found is None:
                 continue
-            own = run.record(case, reference)
-            fea = against.frequencies[pairing.partner]
+            own, against = run.record(case, reference), table.study.answers[case, reference]
             made = "100 (theoretical / reference - 1), modes paired by shape"
             what = f"error of {label(theory)} against {label(reference)}"
-            error = relative_error(ours.frequencies, fea)
-            ends = np.where(pairing.reordered | pairing.doubtful, " % *", " %").tolist()
-            errors = _errors(run, table, case, made, what, [record, own], error, ends)
+            ends = np.where(found.odd, " % *", " %").tolist()
+            errors = _errors(run, table, case, made, what, [record, own], found.error, ends)
             cells = [
-                {"value": _hz(fea[i - 1], i, reference, case, own), "error": one}
+                {"value": _hz(found.against[i - 1], i, reference, case, own), "error": one}
                 for i, one in zip(table.shown, errors, strict=True)
             ]
             about = f"{against.theory}; {against.version}"
