@@ -150,7 +150,7 @@ def test_a_run_about_ones_own_cases_says_nothing_of_the_papers_table(tmp_path):
         ({"bounds": "mass=1..4"}, "bounds = 'mass': expected NAME=LOW..HIGH with one of"),
         ({"candidates": "mass"}, "candidates = 'mass': expected one of z_mm"),
         ({"model": "multipliers@3"}, "model = 'multipliers@3': expected a beam theory"),
-        ({"method": "Guess"}, "method = 'Guess': expected Theoretical or FEA"),
+        ({"method": "Guess"}, "method = 'Guess': expected one of FEA, Theoretical"),
         ({"table": "nowhere.csv"}, "table = 'nowhere.csv': expected 'published' or a readable"),
     ],
 )
