@@ -19,6 +19,7 @@ from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms, turning
 from analytic.eigen import hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError, NotCertifiedError
 from analytic.errors import count as whole
+from analytic.exact_chain import exact
 from analytic.kinematics import Limbs, limbs_at
 from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
@@ -83,8 +84,11 @@ class Substructure(OfTheory):
         """Return K = Q^T K_r Q and M = Q^T M_r Q of Eq. (22), sparse, n (6 s - 2) + 6 square.
 
         The order is U of Eq. (19): for every limb its independent angle at B_i, its inner nodes
-        and Phi_Ai; last Delta_p and Phi_p.
+        and Phi_Ai; last Delta_p and Phi_p. Of limbs of any chain, limb after limb from the base on.
         """
+        if not one_pose(mechanism, pose).shape and not mechanism.simple:
+            problem = exact(mechanism, pose, self.theory)
+            return problem.pair(problem.split(self.elements), sparse=True)
         return self._pair(self._chains(mechanism, pose), sparse=True)
 
     def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:

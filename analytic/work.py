@@ -43,8 +43,8 @@ def substructure(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False
         reach = [6, *nodes, *_falling(3, 6)]
     nonzeros = limbs * entries + 36
     if sparse:
-        return _sparse(dofs, nonzeros, reach * limbs + _falling(6, 0), count)
-    return Work(dofs, nonzeros, 2 * 8 * dofs**2, _dense(dofs, count))
+        return sparse_work(dofs, nonzeros, reach * limbs + _falling(6, 0), count)
+    return Work(dofs, nonzeros, 2 * 8 * dofs**2, dense(dofs, count))
 
 
 def null_space(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
@@ -54,35 +54,55 @@ def null_space(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) 
     """
     held, rows = 9 * limbs + 6, 8 * limbs
     left = held - rows
-    others = limbs * (6 * s - 3)
-    dofs = others + left
-    # Q whole, of held x rows, by Householder's reflections; then N^T A N of two matrices.
-    making = 4 * (held**2 * rows - held * rows**2) + 4 * rows**3 // 3
-    applying = 2 * (2 * (others + held) * held * left + 2 * held * left**2)
     own = 36 * (s - 1) + 72 * (s - 2) + 36 + 9 if s > 1 else 9
     beside = 6 * min(s - 1, 2) + 3  # rows of the first and the last node, and of Phi_A
     nonzeros = limbs * (own + 2 * beside * left) + left**2
+    reach = None
     if sparse:
         nodes = _falling(6, 6 + left) * (s - 2) + _falling(6, 3 + left) if s > 1 else []
         reach = (nodes + _falling(3, left)) * limbs + _falling(left, 0)
-        work = _sparse(dofs, nonzeros, reach, count)
+    return null_space_work(limbs * (6 * s - 3), held, rows, nonzeros, count, reach)
+
+
+def null_space_work(
+    others: int, held: int, rows: int, nonzeros: int, count: int, reach: list[int] | None
+) -> Work:
+    """Return the work where `rows` hold `held` coordinates and no `others`; dense without `reach`.
+
+    Q whole, of held x rows, by Householder's reflections; then N^T A N of two matrices.
+    """
+    left = held - rows
+    dofs = others + left
+    making = 4 * (held**2 * rows - held * rows**2) + 4 * rows**3 // 3
+    if reach is not None:
+        work = sparse_work(dofs, nonzeros, reach, count)
         return Work(dofs, nonzeros, work.bytes, work.flops + making)
-    return Work(dofs, nonzeros, 2 * 8 * dofs**2, _dense(dofs, count) + making + applying)
+    applying = 2 * (2 * (others + held) * held * left + 2 * held * left**2)
+    return Work(dofs, nonzeros, 2 * 8 * dofs**2, dense(dofs, count) + making + applying)
 
 
 def saddle_point(s: int, limbs: int = 3, count: int = 6, *, sparse: bool = False) -> Work:
-    """Return the work of `Multipliers` by the saddle point: 6 (s + 1) coordinates, 8 rows a limb.
+    """Return the work of `Multipliers` by the saddle point: of a limb 6 (s + 1) and 8 rows."""
+    size, rows = limbs * 6 * (s + 1) + 6, 8 * limbs
+    nonzeros = limbs * (36 * (s + 1) + 72 * s + 2 * (3 + 2 * 3 + 3 + 3 * 3)) + 36
+    reach = None
+    if sparse:
+        nodes = _falling(6, 6 + 5) * s + _falling(6, 5 + 3)
+        reach = nodes * limbs + _falling(6, rows) + _falling(rows, 0)
+    return saddle_point_work(size, rows, nonzeros, count, reach)
+
+
+def saddle_point_work(
+    size: int, rows: int, nonzeros: int, count: int, reach: list[int] | None
+) -> Work:
+    """Return the work of `size` coordinates and `rows`; dense without `reach`.
 
     Dense, the augmented matrix is eliminated (2 m^3 / 3) and solved for the N columns of M's factor
     (2 m^2 N), and one of N is made of both (2 N^3).
     """
-    size, rows = limbs * 6 * (s + 1) + 6, 8 * limbs
     dofs = size + rows
-    nonzeros = limbs * (36 * (s + 1) + 72 * s + 2 * (3 + 2 * 3 + 3 + 3 * 3)) + 36
-    if sparse:
-        nodes = _falling(6, 6 + 5) * s + _falling(6, 5 + 3)
-        reach = nodes * limbs + _falling(6, rows) + _falling(rows, 0)
-        return _sparse(dofs, nonzeros, reach, count)
+    if reach is not None:
+        return sparse_work(dofs, nonzeros, reach, count)
     flexibility = 2 * dofs**3 // 3 + 2 * dofs**2 * size + 2 * size**3
     standard = size**3 // 3 + 4 * size**3 // 3 + 3 * size**2 * count
     return Work(dofs, nonzeros, 8 * (dofs**2 + 2 * size**2), flexibility + standard)
@@ -104,11 +124,13 @@ def _falling(size: int, beyond: int) -> list[int]:
     return [size - 1 - j + beyond for j in range(size)]
 
 
-def _dense(N: int, count: int) -> int:
+def dense(N: int, count: int) -> int:
+    """Return the operations of a dense solution of N coordinates."""
     return 11 * N**3 // 3 + 3 * N**2 * count
 
 
-def _sparse(dofs: int, nonzeros: int, reach: Iterable[int], count: int) -> Work:
+def sparse_work(dofs: int, nonzeros: int, reach: Iterable[int], count: int) -> Work:
+    """Return the work of a sparse solution whose columns `reach` so many entries below pivots."""
     reach = list(reach)
     stored = sum(2 * c + 1 for c in reach)
     elimination = sum(2 * c * c + c for c in reach)

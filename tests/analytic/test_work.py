@@ -5,6 +5,7 @@ import pytest
 import scipy.sparse
 
 from analytic import Material, Mechanism, Multipliers, Platform, Pose, Rod, Substructure, work
+from analytic.chain_work import FORMULATIONS, chain_work
 from analytic.lanczos import factor
 from analytic.multipliers import null_space
 
@@ -46,6 +47,21 @@ def test_multipliers_are_counted_from_above(s: int, limbs: int) -> None:
     augmented = work.saddle_point(s, limbs)
     assert augmented.dofs == sum(C.shape)
     assert K.nnz + 2 * C.nnz == pytest.approx(augmented.nonzeros, rel=0.1)
+
+
+@pytest.mark.parametrize("sparse", [False, True])
+@pytest.mark.parametrize("s", [1, 2, 3, 9])
+def test_work_of_chains_is_that_of_the_papers_limbs(s: int, sparse: bool) -> None:
+    """By what is coupled: the paper's way to the last operation; joints hold what they hold."""
+    known = (work.substructure, work.null_space, work.saddle_point)
+    for name, count in zip(FORMULATIONS, known, strict=True):
+        found = chain_work(name, robot(3), Pose(0.5, 0.3, 0.1), s, sparse=sparse)
+        right = count(s, 3, sparse=sparse)
+        if name == "paper":
+            assert found == right
+        assert found.dofs == right.dofs
+        assert found.nonzeros == pytest.approx(right.nonzeros, rel=0.1)
+        assert found.flops == pytest.approx(right.flops, rel=0.1)
 
 
 def slope(count: object, steps: tuple[int, int], **kind: bool) -> float:

@@ -235,14 +235,13 @@ class Facts:
     @cached_property
     def times(self) -> dict[str, dict[int, Spent]]:
         """What a pose takes without and with multipliers by formulation and s, also counted."""
-        limbs = len(self.cases[-1].mechanism.limbs)
         kinds = {"paper": PAPER} | {
             solver: Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS
         }
         ways = {(k, s): replace(kinds[k], elements=s) for s in COST_STEPS for k in FORMULATIONS}
         found: dict[str, dict[int, Spent]] = {name: {} for name in FORMULATIONS}
         for (name, s), one in zip(ways, self._timed(list(ways.values())), strict=True):
-            found[name][s] = Spent(one.seconds, one.solves, counted(name, s, limbs).flops)
+            found[name][s] = Spent(one.seconds, one.solves, counted(name, s, self.cases[-1]).flops)
         return found
 
     @cached_property

@@ -111,8 +111,8 @@ class Cost(Result):
         """Return what every model costs, how that grows, and whose seconds they are."""
         found = {
             "-elements": self._elements_table(),
-            "-growth": growth_table(self.elements, self.steps, self.limbs),
-            "-work": work_table(self.steps, self.limbs),
+            "-growth": growth_table(self.elements, self.steps, self.case),
+            "-work": work_table(self.steps, self.case),
             "-batches": self._batches_table(),
             "-ratios": ratios_table(self.plain),
             "-simulators": simulators_table(self.elements),
@@ -222,13 +222,8 @@ class Cost(Result):
 
     def operations(self, formulation: str, s: int = PAPER_ELEMENTS) -> float:
         """Return counted operations of a formulation in times of the paper's."""
-        own = counted("paper", s, self.limbs)
-        return counted(formulation, s, self.limbs).flops / own.flops
-
-    @property
-    def limbs(self) -> int:
-        """The limbs of the mechanism."""
-        return len(self.case.mechanism.limbs)
+        own = counted("paper", s, self.case)
+        return counted(formulation, s, self.case).flops / own.flops
 
     def rows(self) -> list[dict[str, Any]]:
         """Return a row a way and mode for the history."""
@@ -251,13 +246,16 @@ def measure(
 ) -> Cost:
     """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always one of them."""
     steps = sorted({*elements, PAPER_ELEMENTS})
-    kinds = [(*theory.settings, ("solver", solver)) for solver in ("dense", "sparse")]
+    # Of limbs of any chain there is one solver, and no compiled loop.
+    alone = not case.mechanism.simple
+    solvers = () if alone else ("dense", "sparse")
+    kinds = [(*theory.settings, ("solver", solver)) for solver in solvers]
     ways = [Way(replace(theory, elements=s)) for s in steps]
     ways += [Way(replace(theory, elements=s, settings=kind)) for kind in kinds for s in steps]
     ways += [
         Way(Named("multipliers", s, (("solver", solver),))) for solver in SOLVERS for s in steps
     ]
-    loops = [Named("condensed", None, settings) for settings in _loops()]
+    loops = [Named("condensed", None, settings) for settings in _loops()[: 1 if alone else None]]
     ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
     limit = theory.limit()
     ways += [Way(limit)] if limit is not None else []

@@ -1,10 +1,13 @@
 """How cost grows with the number of elements: seconds as measured, operations as counted."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from analytic import InputError
+from harness.case import Case
 from harness.studies.cost.work import FORMULATIONS, counted
 from harness.tables import Cell, Number, Table
 from harness.timing import Timed
@@ -25,7 +28,7 @@ class Growth:
 
 
 def growth(
-    timed: Sequence[Timed], steps: Sequence[int], limbs: int, least: int = 1
+    timed: Sequence[Timed], steps: Sequence[int], case: Case, least: int = 1
 ) -> list[Growth]:
     """Return how time, solve time and counted operations grow with s, from `least` on.
 
@@ -41,9 +44,10 @@ def growth(
             found.append((method, what, points))
     for name, method in FORMULATIONS.items():
         for sparse in (False, True):
-            work: list[tuple[object, float]] = [
-                (s, float(counted(name, s, limbs, sparse=sparse).flops)) for s in steps
-            ]
+            work: list[tuple[object, float]] = []
+            for s in steps:
+                with suppress(InputError):  # more coordinates than multipliers are solved for
+                    work.append((s, float(counted(name, s, case, sparse=sparse).flops)))
             found.append((method, f"operations, {'sparse' if sparse else 'dense'}", work))
     fits = (_fit(*one, least) for one in found)
     return [fit for fit in fits if fit is not None]
@@ -62,11 +66,11 @@ def _fit(
     return Growth(method, what, sizes, float(fit.slope), float(fit.stderr))
 
 
-def growth_table(timed: Sequence[Timed], steps: Sequence[int], limbs: int) -> Table:
+def growth_table(timed: Sequence[Timed], steps: Sequence[int], case: Case) -> Table:
     """Return every exponent, over all sizes and over large ones."""
-    large = {(g.method, g.what): g for g in growth(timed, steps, limbs, LARGE)}
+    large = {(g.method, g.what): g for g in growth(timed, steps, case, LARGE)}
     rows: list[tuple[Cell, ...]] = []
-    for g in growth(timed, steps, limbs):
+    for g in growth(timed, steps, case):
         tail = large.get((g.method, g.what))
         end: tuple[Cell, ...] = ("-", "-", "-")
         if tail is not None:

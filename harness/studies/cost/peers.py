@@ -1,16 +1,15 @@
 """The same frames by another finite element package, beside ours and the plain floor."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import Pose, Substructure
+from analytic import InputError, Substructure
 from harness.case import Case
 from harness.presets import PAPER_ELEMENTS
-from harness.studies.cost.ratios import plain_pair
 from harness.tables import Cell, Number, Table
 from harness.timing import SHIFT
 from reference_models import ModelError, UnavailableError, peers
@@ -32,11 +31,12 @@ def measured(case: Case, count: int, rounds: int) -> Peers:
     """Return what frames of `SIZES` take at a case, with `scipy.linalg.eigh` in every round."""
     found: list[Peer] = []
     ours, reason = [], ""
-    pair = plain_pair(case.mechanism, case.pose, PAPER_ELEMENTS)
+    K, M = Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)
+    pair = K.toarray(), M.toarray()
     for s in SIZES:
         model, built, solved, eigh = Substructure(s), [], [], []
         for k in range(rounds + 1):
-            pose = Pose(case.pose.z + SHIFT * k, case.pose.azimuth, case.pose.tilt)
+            pose = replace(case.pose, z=case.pose.z + SHIFT * k)
             modes = model.modes(case.mechanism, pose, count)
             built.append(modes.build_seconds)
             solved.append(modes.solve_seconds)
@@ -47,7 +47,7 @@ def measured(case: Case, count: int, rounds: int) -> Peers:
         ours.append(Peer("ours", s, modes.frequencies, *times))
         try:
             found += peers.timed(case.mechanism, case.pose, s, count, rounds, pair)
-        except (UnavailableError, ModelError) as error:
+        except (InputError, UnavailableError, ModelError) as error:
             reason = str(error)
     return Peers(tuple(found), tuple(ours), reason)
 

@@ -7,7 +7,7 @@ the machine does falls on both alike.
 import gc
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -81,24 +81,29 @@ def plain_pair(mechanism: Mechanism, pose: Pose, s: int) -> tuple[Array, Array]:
 def ratios(case: Case, rounds: int, poses: int) -> tuple[Ratio, ...]:
     """Return every ratio, in `rounds` rounds; `poses` a call of those that take many."""
     mechanism, pose = case.mechanism, case.pose
-    at = [Pose(pose.z + SHIFT * k, pose.azimuth, pose.tilt) for k in range(CALLS)]
+    at = [replace(pose, z=pose.z + SHIFT * k) for k in range(CALLS)]
     asked: list[tuple[str, str, Call, Call, int]] = []
 
     def one(what: str, against: str, own: Callable[[Pose], Any], yard: Call) -> None:
         asked.append((what, against, lambda: [own(p) for p in at], lambda: [yard() for _ in at],
                       CALLS))  # fmt: skip
 
-    paper = Substructure(PAPER_ELEMENTS)
-    whole = partial(scipy.linalg.eigh, *plain_pair(mechanism, pose, PAPER_ELEMENTS))
+    paper, simple = Substructure(PAPER_ELEMENTS), mechanism.simple
+    pair = (A.toarray() for A in paper.matrices(mechanism, pose))
+    whole = partial(scipy.linalg.eigh, *pair)
     floor = f"eigh of the s={PAPER_ELEMENTS} pair"
     one(f"modes of s={PAPER_ELEMENTS}", floor, partial(paper.modes, mechanism), whole)
     one(f"frequencies of s={PAPER_ELEMENTS}", floor, partial(paper.frequencies, mechanism), whole)
-    for s in SMALL:
+    for s in SMALL if simple else ():
         plain = partial(_plain, mechanism, pose, s)
         what, against = f"modes of s={s}, assembly and all", "a plain dense assembly and eigh"
         one(what, against, partial(Substructure(s).modes, mechanism), plain)
     for solver, alone in (("null-space", _null_space), ("saddle-point", _saddle_point)):
         rival = Multipliers(PAPER_ELEMENTS, solver=solver)
+        if not simple:
+            one(f"multipliers, {solver}, s={PAPER_ELEMENTS}", floor,
+                partial(rival.modes, mechanism), whole)  # fmt: skip
+            continue
         K, M, C = (A.toarray() for A in rival.matrices(mechanism, pose))
         against = "its own dense solution by numpy and eigh"
         what = f"multipliers, {solver}, s={PAPER_ELEMENTS}"
@@ -113,7 +118,7 @@ def ratios(case: Case, rounds: int, poses: int) -> tuple[Ratio, ...]:
     many = poses_around(case, poses)
     A = np.random.default_rng(0).standard_normal((poses, 6, 6))
     small = partial(np.linalg.eigh, A + A.swapaxes(1, 2))
-    for fast in (False, True) if compiled() else (False,):
+    for fast in (False, True) if simple and compiled() else (False,):
         for name, size in chains:
             what = f"condensed{', compiled' if fast else ''}, {name}, {poses} poses"
             batch = partial(_condensed, mechanism, size, many, fast=fast)

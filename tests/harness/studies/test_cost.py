@@ -3,12 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analytic import Substructure
 from harness.bench import Bench
+from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
 from harness.studies.cost.figure import Point, unbeaten
@@ -22,6 +24,7 @@ from reference_models import Named
 CASE = PRESETS["case2"]
 EULER = Named("euler-bernoulli", 3)
 NONE = np.empty(0)
+MECHANISMS = Path(__file__).parents[3] / "results/published/mechanisms.toml"
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +69,7 @@ def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
         Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), NONE, NONE, own.answers)
         for s in (1, 2, 4, 8, 16)
     )
-    (fit, *counts) = growth(made, (1, 2, 4, 8, 16), 3)
+    (fit, *counts) = growth(made, (1, 2, 4, 8, 16), CASE)
     assert fit.exponent == pytest.approx(1.5, abs=1e-9)
     assert fit.sizes == (1, 2, 4, 8, 16)
     assert {g.what for g in counts} == {"operations, dense", "operations, sparse"}
@@ -74,11 +77,11 @@ def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
 
 def test_counted_work_knows_no_machine(cost: Cost) -> None:
     """Cubic where it is dense, linear in s where it is sparse; multipliers take more."""
-    work = [counted("paper", s, 3) for s in (2, 4, 8)]
+    work = [counted("paper", s, CASE) for s in (2, 4, 8)]
     assert [one.dofs for one in work] == [36, 72, 144]
     for few, many in pairwise(work):
         assert 2.8 < np.log2(many.flops / few.flops) < 3.01
-    long = [counted("paper", s, 3).flops for s in (32, 64, 128)]
+    long = [counted("paper", s, CASE).flops for s in (32, 64, 128)]
     for few, many in pairwise(long):
         assert 0.9 < np.log2(many / few) < 1.1
     for formulation in ("null-space", "saddle-point"):
@@ -161,3 +164,21 @@ def test_what_nobody_reads_is_written_all_the_same(
     cost: Cost, writes_first: Callable[[str, object], None]
 ) -> None:
     writes_first("cost", cost)
+
+
+@pytest.mark.slow
+def test_limbs_of_any_chain_have_a_cost_too() -> None:
+    """3-PRS: counted work of its own matrices, and all that is measured of R-P-S limbs."""
+    case = load_cases(MECHANISMS)["prs"]
+    with Bench() as bench:
+        found = measure(case, EULER, (), (1, 2), (1,), 1, bench, 1)
+    assert found.failures() == {}
+    assert [name for name, table in found.tables().items() if not table.rows] == ["-simulators"]
+    for t in found.elements:
+        if t.way.method == "euler-bernoulli" and (s := t.way.model.elements):
+            assert t.dofs == counted("paper", s, case).dofs == 9 + 18 * s
+    assert {"null-space", "saddle-point"} <= {
+        dict(t.way.model.settings).get("solver") for t in found.elements
+    }
+    assert found.operations("null-space") > 1 and found.operations("saddle-point") > 1
+    assert "limb 1, P-body-R-rod-S" in found.peers.reason or "OpenSees needs" in found.peers.reason

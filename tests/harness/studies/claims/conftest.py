@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from harness.bench import Bench
+from harness.cases import PRESETS
 from harness.paper import Claim
 from harness.studies.claims import find
 from harness.studies.claims.data import CANNOT, CASES, FAILS, HOLDS, ONLY_IF
@@ -87,7 +88,7 @@ def spent(**seconds: NDArray[np.float64]) -> dict[str, dict[int, Spent]]:
     """Seconds that are made up, with the operations that are counted."""
     ways = {"paper": np.full(3, 0.005)} | {k.replace("_", "-"): v for k, v in seconds.items()}
     return {
-        name: {s: Spent(t, t / 2, counted(name, s, 3).flops) for s in COST_STEPS}
+        name: {s: Spent(t, t / 2, counted(name, s, PRESETS["case2"]).flops) for s in COST_STEPS}
         for name, t in ways.items()
     }
 

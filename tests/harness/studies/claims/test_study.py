@@ -139,7 +139,7 @@ def test_rows_are_what_verdicts_rest_on(bench: Bench, monkeypatch: pytest.Monkey
         assert list(times[name]) == list(COST_STEPS)
         for s, one in times[name].items():
             assert (one.seconds > 0).all() and (one.solves > 0).all()
-            assert one.work == counted(name, s, 3).flops
+            assert one.work == counted(name, s, PRESETS["case2"]).flops
 
 
 def test_what_was_not_measured_leaves_its_claims_unchecked(
