@@ -40,7 +40,8 @@ class ChainReduced:
     Attributes: `lengths` (N, ...), of which only the first axis matters; `vectors` H (N, r, e);
     `springs` (e,); `mass` M (N, e, e); `poles` (N, p); `coupling` C H (N, p, e); `powers`
     (degree + 1, N, k) of P's entries over 2 lambda / `caps` - 1, `caps` (N, k): first the diagonal,
-    r of them, then those `across`; `error` of the tables relative to these entries.
+    r of them, then those `across`; `error` of the tables relative to the entries of
+    each row (r,).
     """
 
     lengths: Floats
@@ -52,7 +53,7 @@ class ChainReduced:
     powers: Floats
     caps: Floats
     across: tuple[Across, ...]
-    error: float
+    error: Floats
 
     converged = 1e-10
     """As of `Reduced`."""
@@ -153,8 +154,8 @@ class ChainReduced:
         large entries that cancel: their error does not.
         """
         x = motion[:, :, : values.shape[1]]
-        stretched = np.linalg.norm(P[:, : x.shape[1], None] * x * x, axis=1)
-        return np.asarray((self.error * stretched < TOLD * values).all(axis=1))
+        uncertain = (self.error * P[:, : x.shape[1]])[..., None] * x * x
+        return np.asarray((np.linalg.norm(uncertain, axis=1) < TOLD * values).all(axis=1))
 
     def chord(self) -> Chord:
         """Return the chord of P's entries from near rest to `end`, and how they depart from it."""
@@ -245,6 +246,6 @@ def chain_reduced(
         powers,
         caps,
         tuple(across),
-        max(table.error for table in tables),
+        np.concatenate([np.repeat(t.error, n) for t, (_, n) in zip(tables, sizes, strict=True)]),
     )
     return problem, np.concatenate(alone, axis=1)

@@ -47,7 +47,7 @@ class Table:
     `first` and `second` row of every entry of P, first <= second; `reach`, up to which part of
     `Core.pinned` P holds, and `degree` its degree there; `columns` Chebyshev coefficients over the
     logarithm of the length (q, columns): poles, modes alone, residues, powers of every entry;
-    `error` of S found between the nodes, relative to S and its slope.
+    `error` of every row's entries of S found between the nodes, relative to S and its slope.
     """
 
     core: Core
@@ -62,7 +62,7 @@ class Table:
     reach: float
     degree: int
     columns: Floats
-    error: float = 0.0
+    error: Floats
 
     def caps(self, lengths: Floats) -> Floats:
         """Return lambda up to which P holds, shape of `lengths`."""
@@ -109,10 +109,11 @@ def _table(core: Core, span: tuple[float, float], reach: float) -> Table | None:
         if made is None:
             return None
         error = _error(core, made)
-        if error < EXACT:
+        worst = float(error.max())
+        if worst < EXACT:
             return replace(made, error=error)
         # Errors fall by a factor a node: from here they would not fall far enough.
-        if error > EXACT ** (size / (1.2 * MOST_NODES)):
+        if not worst <= EXACT ** (size / (1.2 * MOST_NODES)):
             return None
     return None
 
@@ -279,6 +280,7 @@ def _filled(
         reach,
         degree,
         chebyshev_series(columns.T),
+        np.full(len(used), np.inf),
     )
 
 
@@ -315,8 +317,8 @@ def _modes(
     return lam.T, x.transpose(1, 2, 0)
 
 
-def _error(core: Core, made: Table) -> float:
-    """Return the largest relative error of S between the nodes, over lengths and lambda."""
+def _error(core: Core, made: Table) -> Floats:
+    """Return each row's largest relative error of S between the nodes, over lengths and lambda."""
     several = 1 if core.adapts is None else 13
     fraction = np.linspace(0.03, 0.97, 7)
     lengths = _nodes(made.span, several)
@@ -334,8 +336,7 @@ def _error(core: Core, made: Table) -> float:
     own = np.einsum("qnii->qni", np.abs(S.real) + slope)
     size = np.sqrt(own[..., :, None] * own[..., None, :])
     found = np.stack([evaluate(made, lengths, row) for row in lam])
-    worst = float((np.abs(found - S.real) / size).max())
-    return worst if np.isfinite(worst) else np.inf
+    return np.asarray((np.abs(found - S.real) / size).max(axis=(0, 1, 2)))
 
 
 def evaluate(made: Table, lengths: Floats, lam: Floats) -> Floats:

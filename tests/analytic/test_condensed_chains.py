@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -75,6 +76,27 @@ def test_tables_give_what_single_poses_give(name: str, elements: int | None, bea
     some = poses[::13]
     alone = frequencies(mechanism, some, Theory(beam), elements, 8)
     assert found[::13] == pytest.approx(alone, rel=5e-10)
+
+
+def test_an_entry_near_nothing_leaves_the_others_their_digits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A 3-UPU's limbs turn freely: the stiffness across them is all but zero, its error is not.
+
+    Most poses are by tables nevertheless: held to that entry's error none was.
+    """
+    left: list[int] = []
+
+    def alone(mechanism: Mechanism, poses: Pose, *how: Any) -> Any:
+        left.append(len(poses))
+        return frequencies(mechanism, poses, *how)
+
+    monkeypatch.setattr(chain_condensed.chain_models, "frequencies", alone)
+    mechanism, poses = CASES["three-upu"].mechanism, around(CASES["three-upu"].pose, 0.0128, 0, 100)
+    found = condensed_frequencies(mechanism, poses, 3)
+    assert sum(left) < 30
+    known = frequencies(mechanism, poses[::25], Theory(), 3, 6)
+    assert found[::25] == pytest.approx(known, rel=1e-9)
 
 
 @pytest.mark.usefixtures("tables_alone")
