@@ -61,6 +61,8 @@ def test_it_holds_what_it_says(wheel: Path) -> None:
     for name in (
         *(f"{package}/py.typed" for package in ("analytic", "reference_models", "harness")),
         "harness/accepted_baseline/frequencies.csv",
+        "harness/published_data/gong-lou-2023/cases.toml",
+        "harness/studies/claims/findings.toml",
         "harness/report/templates/page.html",
     ):
         assert name in names
