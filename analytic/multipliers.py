@@ -175,8 +175,7 @@ def null_space(C: Any, unit: float = 1.0) -> scipy.sparse.csr_array:
 
     The others' columns are orthonormal once rotations are multiplied by `unit` [m].
     """
-    C = C.toarray() if is_sparse(C) else C
-    others, held, basis = _split(C, unit)
+    others, held, basis = _split(C.toarray() if is_sparse(C) else C, unit)
     result = scipy.sparse.lil_array((C.shape[1], len(others) + basis.shape[1]))
     result[others, np.arange(len(others))] = 1.0
     result[held, len(others) :] = basis
@@ -184,12 +183,19 @@ def null_space(C: Any, unit: float = 1.0) -> scipy.sparse.csr_array:
 
 
 def _split(C: Floats, unit: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
-    """Return the coordinates in no joint, those in one, and a basis of what C lets these do."""
+    """Return the coordinates in no joint, those in one, and a basis of what C lets these do.
+
+    The last columns of Q of C^T = Q R; of the others, which `numpy.linalg.qr` makes too, none is.
+    """
     touched = C.any(axis=0)
-    held, others = np.flatnonzero(touched), np.flatnonzero(~touched)
-    scale = np.where(held % 6 < 3, 1.0, 1 / unit)
-    Q = np.linalg.qr((C[:, held] * scale).T, mode="complete")[0]
-    return others, held, scale[:, None] * Q[:, len(C) :]
+    held, others = touched.nonzero()[0], (~touched).nonzero()[0]
+    scale = np.where(held % 6 < 3, 1.0, 1 / unit)[:, None]
+    size, rows = len(held), len(C)
+    lapack = scipy.linalg.lapack
+    reflectors, scales, _, _ = lapack.dgeqrf(C.T[held] * scale)
+    last = np.eye(size, size - rows, -rows)
+    basis, _, _ = lapack.dormqr("L", "N", reflectors, scales, last, 64 * size)
+    return others, held, scale * basis
 
 
 def _null_space(
@@ -201,15 +207,16 @@ def _null_space(
         values, x = lowest_modes(N.T @ K @ N, N.T @ M @ N, count, shift)
         return values, N @ x
     others, held, basis = _split(C, parts.unit)
-    order, a = np.concatenate([others, held]), len(others)
-    both = np.stack([K, M]).reshape(2, -1).take(order[:, None] * len(order) + order, axis=1)
-    left = both[:, :, a:] @ basis
-    reduced = np.empty((2, a + basis.shape[1], a + basis.shape[1]))
-    reduced[:, :a, :a], reduced[:, :a, a:] = both[:, :a, :a], left[:, :a]
-    reduced[:, a:, :a] = left[:, :a].swapaxes(1, 2)
-    reduced[:, a:, a:] = basis.T @ left[:, a:]
+    a, size = len(others), len(others) + basis.shape[1]
+    reduced = np.empty((2, size, size))
+    for A, own in zip((K, M), reduced, strict=True):
+        right = A.take(held, axis=1) @ basis
+        own[:a, :a] = A.take(others, axis=0).take(others, axis=1)
+        own[:a, a:] = right.take(others, axis=0)
+        own[a:, :a] = own[:a, a:].T
+        own[a:, a:] = basis.T @ right.take(held, axis=0)
     values, x = lowest_modes(reduced[0], reduced[1], count, shift)
-    u = np.empty((len(order), count))
+    u = np.empty((len(K), count))
     u[others], u[held] = x[:a], basis @ x[a:]
     return values, u
 
