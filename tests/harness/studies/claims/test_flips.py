@@ -14,6 +14,7 @@ from harness.cases import PRESETS
 from harness.paper import FORMS, Claim
 from harness.studies.claims import CHECKS, find
 from harness.studies.claims import equations as claims_equations
+from harness.studies.claims.check_cost import faster
 from harness.studies.claims.data import CASES, FAILS, KINDS, TABLE, WORDS, checked
 from harness.studies.claims.equations import Formulas, equations, printed_position, printed_rotation
 from harness.studies.claims.facts import PAPER, Facts, Reference, Spent
@@ -282,6 +283,33 @@ def test_a_wrong_model_turns_the_verdict(
 ) -> None:
     turned = kind(FLIPS[claim.check](facts, claim), claim)
     assert turned in KINDS and turned != expected[claim.id]
+
+
+def more_coordinates(facts: Facts, claim: Claim) -> Facts:
+    """The theory with more coordinates than any finite elements; all seconds stay."""
+    own, *others = facts.fea_times.items()
+    most = 1 + max(spent.work for _, spent in others)
+    return facts.but(fea_times=dict([(own[0], replace(own[1], work=most)), *others]))
+
+
+MORE_WORK = {
+    "faster": cheaper_null_space, "seconds": more_coordinates, "saved": more_coordinates,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "claim", [c for c in ASKED if c.check in MORE_WORK], ids=lambda claim: claim.id
+)
+def test_counted_work_alone_turns_claims_on_cost(
+    claim: Claim, facts: Facts, kind: Callable[[Facts, Claim], str], expected: dict[str, str]
+) -> None:
+    assert kind(MORE_WORK[claim.check](facts, claim), claim) != expected[claim.id]
+
+
+def test_claims_on_cost_are_those_whose_work_is_counted() -> None:
+    assert {name for name in CHECKS if CHECKS[name].__module__ == faster.__module__} == set(
+        MORE_WORK
+    )
 
 
 def test_no_claim_is_left_without_its_flip(expected: dict[str, str]) -> None:
