@@ -188,7 +188,7 @@ def _split(C: Floats, unit: float) -> tuple[NDArray[np.intp], NDArray[np.intp], 
     The last columns of Q of C^T = Q R; of the others, which `numpy.linalg.qr` makes too, none is.
     """
     touched = C.any(axis=0)
-    held, others = touched.nonzero()[0], (~touched).nonzero()[0]
+    held, others = np.flatnonzero(touched), np.flatnonzero(~touched)
     scale = np.where(held % 6 < 3, 1.0, 1 / unit)[:, None]
     size, rows = len(held), len(C)
     lapack = scipy.linalg.lapack
