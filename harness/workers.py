@@ -10,6 +10,7 @@ import io
 import math
 import os
 import pickle
+import platform
 import shutil
 import signal
 import subprocess
@@ -46,6 +47,8 @@ KNOWN = ("analytic", "harness", "reference_models", "numpy")
 """Packages whose objects may be in an answer."""
 BUILT_IN = {("builtins", name) for name in ("complex", "frozenset", "set", "slice", "range")}
 """What else may be."""
+POSIX = {"killpg", "SIGKILL", "alarm", "SIGALRM"}
+"""What of `os` and `signal` these processes need."""
 PREFIX = "rps-bench-"
 """What the names of temporary folders begin with; the parent's process number follows."""
 
@@ -112,6 +115,11 @@ class Child:
     """
 
     def __init__(self, launcher: Sequence[str] = ()) -> None:
+        if not _posix():
+            from analytic import InputError
+
+            wanted = "Linux, macOS or WSL: models run in processes that POSIX signals can end"
+            raise InputError("system", platform.system(), wanted)
         self._line, theirs = Pipe()
         self._folder = tempfile.mkdtemp(prefix=f"{PREFIX}{os.getpid()}-")
         # Another environment finds modules by itself.
@@ -265,11 +273,17 @@ class Children:
 
 def sweep_up() -> None:
     """Remove temporary folders whose parent was killed before it could."""
+    if not _posix():
+        return
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*-*"):
         owner = folder.name.removeprefix(PREFIX).partition("-")[0]
         if owner.isdecimal() and not _alive(int(owner)):
             end_all_of(str(folder))
             shutil.rmtree(folder, ignore_errors=True)
+
+
+def _posix() -> bool:
+    return {*dir(os), *dir(signal)} >= POSIX
 
 
 def end_all_of(folder: str) -> None:

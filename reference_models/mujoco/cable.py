@@ -13,7 +13,7 @@ from analytic.model import Info
 from analytic.modes import Modes
 from analytic.pose import Pose
 from reference_models.mujoco import composite, flex, system
-from reference_models.mujoco.rig import Rods, document, limbs_of, surplus
+from reference_models.mujoco.rig import STEP, Rods, document, limbs_of, surplus
 from reference_models.mujoco.system import Assembly
 
 Array = NDArray[np.float64]
@@ -81,7 +81,7 @@ class MujocoCable:
             return np.stack([geometry.centre_line(model, data, *of) for of in each])
 
         def stiffness(model: Any, data: Any) -> Array:
-            step = mj.STEP * min(limb.length for limb in limbs)
+            step = STEP * min(limb.length for limb in limbs)
             return mj.stiffness(model, data, len(limbs), step)
 
         return Assembly(document(mechanism, pose, limbs, rods), amend, gap, lines, stiffness)

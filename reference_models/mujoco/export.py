@@ -16,8 +16,7 @@ from reference_models.export import SOLVE, Export, about, shift_of
 from reference_models.mujoco import chain, flex
 from reference_models.mujoco.cable import NAME, MujocoCable
 from reference_models.mujoco.chain import MujocoChain
-from reference_models.mujoco.linearise import STEP
-from reference_models.mujoco.rig import document, limbs_of, surplus
+from reference_models.mujoco.rig import STEP, document, limbs_of, surplus
 from reference_models.mujoco.segments import segmented
 
 SCRIPT = '''"""Natural frequencies [Hz] of rps.xml by MuJoCo 4 and numpy alone: `python rps.py`.

@@ -17,8 +17,6 @@ from reference_models.spent import SIMULATOR, phase
 
 Array = NDArray[np.float64]
 
-STEP = 1e-5
-"""Displacement of the differences, relative to the shortest limb's length [m or rad]."""
 REACH = 2
 """Vertices to either side that feel a vertex move: bending joins three."""
 

@@ -13,6 +13,8 @@ from reference_models.placement import place
 
 Array = NDArray[np.float64]
 
+STEP = 1e-5
+"""Displacement of the differences that give K, relative to the shortest limb [m or rad]."""
 STILL = 1e-7
 """Mass and inertia of a hinge body relative to its limb's: MuJoCo demands some, and only the rod
 should have any."""

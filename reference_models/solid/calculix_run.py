@@ -115,7 +115,7 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
         finally:
             # With its children, and also where this program is interrupted.
             if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
+                end_group(process)
                 process.wait()
     said = log.read_text(errors="replace")
     if status < 0:
@@ -123,6 +123,14 @@ def _execute(path: str, directory: Path, time_limit: float) -> str:
     if status > 0 or "*ERROR" in said:
         raise ModelError(f"{NAME}: ccx failed with exit status {status}{_tail(said)}")
     return said
+
+
+def end_group(process: subprocess.Popen[bytes]) -> None:
+    """End a process and, where the system has groups, the group that it leads (not on Windows)."""
+    if hasattr(os, "killpg"):
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
 
 
 def _tail(said: str) -> str:
