@@ -8,6 +8,7 @@ import gc
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from timeit import timeit
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,7 @@ class Call:
         """Return the seconds of a call and the answers of the last."""
         model, poses = self.way.model, self.way.poses
         shifted = [
-            [_moved(pose, SHIFT * (self.first + k)) for _, pose in self.places]
+            [replace(pose, z=pose.z + SHIFT * (self.first + k)) for _, pose in self.places]
             for k in range(self.number)
         ]
         ask = model.frequencies if poses else model.modes
@@ -104,10 +105,6 @@ class Call:
         each = self.number * len(self.places)
         phases = {name: spent / each for name, spent in record.seconds.items()}
         return Spent(seconds / each, tuple(answers), phases)
-
-
-def _moved(pose: Pose, shift: float) -> Pose:
-    return replace(pose, z=pose.z + shift)
 
 
 @dataclass(frozen=True)
@@ -288,10 +285,8 @@ def time_ways(
 
 def _unfit(model: Model) -> str:
     """Return why a model cannot have its number of elements, "" if it can."""
-    build = getattr(model, "build", None)
     try:
-        if build is not None:
-            build()
+        getattr(model, "build", lambda: model)()
     except InputError as error:
         return str(error)
     except UnavailableError:  # said when it is asked
@@ -300,9 +295,8 @@ def _unfit(model: Model) -> str:
 
 
 def _places(way: Way, cases: Sequence[Case]) -> Places:
-    if not way.poses:
-        return tuple((case.mechanism, case.pose) for case in cases)
-    return tuple((case.mechanism, poses_around(case, way.poses)) for case in cases)
+    many = way.poses
+    return tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)
 
 
 def poses_around(case: Case, count: int) -> Pose:
@@ -327,10 +321,5 @@ def poses_around(case: Case, count: int) -> Pose:
 
 def _seconds(run: Any) -> float:
     """Return the seconds of a call, repeated until they fill `SAMPLE`."""
-    began = time.perf_counter()
-    run()
-    number = max(1, int(SAMPLE / (time.perf_counter() - began)))
-    began = time.perf_counter()
-    for _ in range(number):
-        run()
-    return (time.perf_counter() - began) / number
+    number = max(1, int(SAMPLE / timeit(run, number=1)))
+    return timeit(run, number=number) / number

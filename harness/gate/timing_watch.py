@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
+from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -109,7 +110,7 @@ def _moving(values: NDArray[np.float64], length: int, limit: float) -> list[Chan
         # Over for some runs, it is over, whatever a long window still remembers.
         over = scores[-SHORT:].mean() < WINDOWS[SHORT] / 3
         score = 0.0 if over else float(scores.mean()) / limit
-        factor = float(np.exp(_median(window) - middle))
+        factor = float(np.exp(median(window.tolist()) - middle))
         found.append(Change(factor, score, noise, length, i + 1))
         alarm = score >= 1
     return found
@@ -120,17 +121,11 @@ def _spread(values: NDArray[np.float64]) -> tuple[float, float]:
 
     By the mean deviation, outliers cut off, widened for few values.
     """
-    middle = _median(values)
+    middle = median(values.tolist())
     away = np.abs(values - middle)
-    cut = np.minimum(away, 3 * 1.4826 * _median(away))
+    cut = np.minimum(away, 3 * 1.4826 * median(away.tolist()))
     noise = float(np.sqrt(np.pi / 2) * cut.mean() * (1 + 1 / len(values)))
     return middle, max(QUIET, noise)
-
-
-def _median(values: NDArray[np.float64]) -> float:
-    """Return the median; `numpy.median` takes ten times as long for so few."""
-    ranked, half = np.sort(values), len(values) // 2
-    return float(ranked[half] + ranked[-half - 1]) / 2
 
 
 def timings(

@@ -36,7 +36,7 @@ FORMS = (
 RANGES = {"z": (350.0, 700.0), "azimuth": (0.0, 360.0), "tilt": (0.0, 20.0)}  # mm, deg
 MOST = 1_000_000_000
 BLOCK = 10_000
-"""Poses drawn and checked at a time, so that memory holds little more than the set."""
+"""Poses checked at a time, so that memory holds little more than the set."""
 LAYERS = 41
 """Layers of the regular workspace; in between its radius is linear."""
 
@@ -110,11 +110,10 @@ def _random(text: str, rest: str) -> Pose:
     count, seed, ranges = _drawn(text, rest, ranges=True)
     low, high = (np.array([limits[k] for limits in ranges.values()]) for k in (0, 1))
     # A pose's numbers are drawn together: a longer set begins with the shorter one.
-    generator, drawn = np.random.default_rng(seed), np.empty((len(ranges), count))
-    for start in range(0, count, BLOCK):
-        some = drawn[:, start : start + BLOCK]
-        some[:] = (low + (high - low) * generator.random((some.shape[1], len(ranges)))).T
-    return _scaled(dict(zip(ranges, drawn, strict=True)))
+    drawn = np.random.default_rng(seed).random((count, len(ranges)))
+    drawn *= high - low
+    drawn += low
+    return _scaled(dict(zip(ranges, drawn.T, strict=True)))
 
 
 def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tuple[float, float]]]:

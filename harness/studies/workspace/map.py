@@ -221,20 +221,21 @@ def workspace_map(
 
 def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Bench) -> Answers:
     """Return what `model` finds at `poses` (an array of them)."""
-    first = bench.solve(model, mechanism, poses[0], count)
+    frequencies, failures = np.full((len(poses), count), np.nan), dict[str, str]()
     if not model.info().isolated:
-        if isinstance(first, Failure):
-            return _failed(model, poses, count, first.reason)
         bench.listener.expect(1)
-        found = bench.call(BatchTask(model, mechanism, poses, count), isolated=False)
-        bench.listener.done(f"{label(model)} at {len(poses)} poses")
+        first = bench.solve(model, mechanism, poses[0], count)
+        found: object = first
+        if isinstance(first, Modes):
+            found = bench.call(BatchTask(model, mechanism, poses, count), isolated=False)
+        everywhere = f"{label(model)} at {len(poses)} poses"
+        bench.listener.done(everywhere)
         if isinstance(found, Failure):
-            return _failed(model, poses, count, found.reason)
-        assert isinstance(found, Batch)
+            return Answers(frequencies, (None,), 0.0, {everywhere: found.reason})
+        assert isinstance(first, Modes) and isinstance(found, Batch)
         return Answers(found.table, (first,), found.seconds / len(poses), {})
     bench.listener.expect(len(poses))
     answers: list[Modes | None] = []
-    frequencies, failures = np.full((len(poses), count), np.nan), {}
     for i, pose in enumerate(poses):
         modes = bench.solve(model, mechanism, pose, count)
         answers.append(None if isinstance(modes, Failure) else modes)
@@ -244,11 +245,6 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
             frequencies[i] = modes.frequencies
         bench.listener.done(f"{label(model)} at {named(pose)}")
     return Answers(frequencies, tuple(answers), None, failures)
-
-
-def _failed(model: Model, poses: Pose, count: int, why: str) -> Answers:
-    nothing = np.full((len(poses), count), np.nan)
-    return Answers(nothing, (None,), 0.0, {f"{label(model)} at {len(poses)} poses": why})
 
 
 def named(pose: Pose) -> str:
