@@ -115,7 +115,7 @@ def test_the_picture_names_what_nothing_beats_and_no_more(cost: Cost) -> None:
 
 
 def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
-    own = replace(cost, case=replace(CASE, name="mine", published=""))
+    own = replace(cost, case=replace(CASE, name="mine", paper=None, published=""))
     assert "-claims" not in own.tables()
 
 
