@@ -187,26 +187,3 @@ def _stand(number: int, mechanism: Mechanism, o: Array, R: Array, pose: Pose) ->
 
 def _length(item: Item) -> float | None:
     return item.length if isinstance(item, (Rod, Link)) else 0.0
-
-
-def triad(axes: list[Array]) -> Array | None:
-    """Return a right-handed frame (3, 3) whose columns `axes` are along, up to sign, or None."""
-    found: list[Array] = []
-    for axis in axes:
-        along = [abs(float(axis @ other)) for other in found]
-        if any(dot > 1 - 1e-9 for dot in along):
-            continue
-        if any(dot > 1e-9 for dot in along):
-            return None
-        found.append(axis)
-    leaning = np.array([max([abs(float(s @ f)) for f in found], default=0.0) for s in np.eye(3)])
-    for spare in np.eye(3)[np.argsort(leaning)]:
-        if len(found) == 3:
-            break
-        left = spare - sum((spare @ f) * f for f in found)
-        if np.linalg.norm(left) > 1e-3:
-            found.append(left / np.linalg.norm(left))
-    frame = np.stack(found, axis=1)
-    if np.linalg.det(frame) < 0:
-        frame[:, 2] *= -1
-    return frame

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 
 from analytic.errors import RefusedError
 from analytic.mechanism import Body, Joint, Link, Rod
-from reference_models.chain_placement import Standing, triad
+from reference_models.chain_placement import Standing
 from reference_models.exudyn.chain import Built, Piece, along, rigid
 from reference_models.exudyn.system import add_rigid_nodes
 
 Array = NDArray[np.float64]
 
+INDEPENDENT = 1e-9
+"""Directions of freedoms that depend on each other have a smaller singular value."""
 LIGHT = 1e-9
 """Mass and inertia of a rigid link between two joints, of its limb's: it should have none."""
 
@@ -39,20 +41,17 @@ def add_beams(
 ) -> None:  # fmt: skip
     """Add a limb with `elements` beams a rod, of shear coefficients `shear(rod)` along x and y.
 
-    Raises `InputError` naming the limb for two joints at a place and as `_joint`.
+    Joints with nothing between them are one, of the freedoms of all. Raises `InputError` naming the
+    limb as `_joint`.
     """
     ground = mbs.AddObject(exu.itemInterface.ObjectGround(referencePosition=limb.starts[0]))
     before = _place(exu, mbs, ground, np.eye(3), np.zeros(3))
-    waiting: Joint | None = None
+    waiting: list[Joint] = []
     line: list[Piece] = []
-    rigid = Joint(())
     for k, item in enumerate(limb.limb.chain):
         start, end = limb.starts[k : k + 2]
         if isinstance(item, Joint):
-            if waiting:
-                found = f"limb {limb.number}, {limb.limb.described}"
-                raise RefusedError("mechanism", found, "one joint at a place for exudyn")
-            waiting = item
+            waiting.append(item)
             continue
         begin = float(np.linalg.norm(start - limb.starts[0]))
         length = float(np.linalg.norm(end - start))
@@ -74,10 +73,10 @@ def add_beams(
             if isinstance(item, Link):
                 line.append(Piece(begin, length, _along_link(exu, mbs, first, limb.frame[:, 2])))
         if first is not before:
-            _joint(exu, mbs, limb, waiting or rigid, R, before, first, built)
-        before, waiting = last, None
+            _joint(exu, mbs, limb, waiting, R, before, first, built)
+        before, waiting = last, []
     tip = _place(exu, mbs, platform, R, np.array(limb.limb.platform_point))
-    _joint(exu, mbs, limb, waiting or rigid, R, before, tip, built)
+    _joint(exu, mbs, limb, waiting, R, before, tip, built)
     built.tips.append(len(built.joints))
     built.lines.append(line)
 
@@ -122,34 +121,41 @@ def _beams(exu: Any, mbs: Any, nodes: list[int], length: float, section: Any) ->
 
 
 def _joint(
-    exu: Any, mbs: Any, limb: Standing, joint: Joint, R: Array, before: _Place, after: _Place,
-    built: Built,
+    exu: Any, mbs: Any, limb: Standing, joints: list[Joint], R: Array, before: _Place,
+    after: _Place, built: Built,
 ) -> None:  # fmt: skip
-    """Join two markers by what a joint leaves, and springs for what it resists.
+    """Join two markers by what joints leave, and springs for what they resist.
 
-    Raises `InputError` where the freedoms are not along the axes of one frame.
+    Shifts and turns each in a frame of their own, whose first axes the freedoms span: what they do
+    not span is held, and springs along skew axes a_j are W^T diag(k) W there, W a_j = e_j.
+    Raises `InputError` where freedoms depend on each other.
     """
-    loose = [f for f in joint.freedoms if f.stiffness < np.inf]
-    axes = [limb.axis(f, R) for f in loose]
-    frame = triad(axes)
-    if frame is None:
-        found = f"limb {limb.number}, {limb.limb.described}"
-        raise RefusedError("mechanism", found, "freedoms of a joint at right angles for exudyn")
-    held, stiffness = np.ones(6, dtype=int), np.zeros(6)
-    for freedom, axis in zip(loose, axes, strict=True):
-        at = int(np.abs(frame.T @ axis).argmax()) + 3 * (freedom.kind == "rotation")
-        held[at] = 0
-        stiffness[at] += freedom.stiffness
+    loose = [f for joint in joints for f in joint.freedoms if f.stiffness < np.inf]
     items, pair = exu.itemInterface, [before.marker, after.marker]
-    turn = {
-        "rotationMarker0": before.axes.T @ frame,
-        "rotationMarker1": after.axes.T @ frame,
-    }
-    mbs.AddObject(items.GenericJoint(markerNumbers=pair, constrainedAxes=held.tolist(), **turn))
-    if stiffness.any():
-        mbs.AddObject(
-            items.RigidBodySpringDamper(markerNumbers=pair, stiffness=np.diag(stiffness), **turn)
-        )
+    for kind, of in (("translation", slice(0, 3)), ("rotation", slice(3, 6))):
+        own = [f for f in loose if f.kind == kind]
+        axes = np.array([limb.axis(f, R) for f in own]).reshape(-1, 3).T
+        frame, size, _ = np.linalg.svd(axes)
+        if len(own) > 3 or size.min(initial=1.0) < INDEPENDENT:
+            found = f"limb {limb.number}, {limb.limb.described}"
+            raise RefusedError("mechanism", found, "independent freedoms at a place for exudyn")
+        frame[:, 2] *= np.linalg.det(frame)
+        held, stiffness = np.zeros(6, dtype=int), np.zeros((6, 6))
+        held[of] = np.arange(3) >= len(own)
+        apart = np.linalg.pinv(frame.T @ axes)
+        stiffness[of, of] = apart.T @ np.diag([f.stiffness for f in own]) @ apart
+        turn = {
+            "rotationMarker0": before.axes.T @ frame,
+            "rotationMarker1": after.axes.T @ frame,
+        }
+        if held.any():
+            mbs.AddObject(
+                items.GenericJoint(markerNumbers=pair, constrainedAxes=held.tolist(), **turn)
+            )
+        if stiffness.any():
+            mbs.AddObject(
+                items.RigidBodySpringDamper(markerNumbers=pair, stiffness=stiffness, **turn)
+            )
     built.joints.append((before.marker, after.marker))
 
 

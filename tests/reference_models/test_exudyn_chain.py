@@ -65,20 +65,32 @@ def test_rigid_links_are_taken() -> None:
     assert (pair(found, exact, LINKED, POSE).assurance > 0.999).all()
 
 
+LEANING = Joint((Freedom("rotation", (0, 1, 0)), Freedom("rotation", (1, 1, 0), "base", 1e5)))
+
+
+@pytest.mark.parametrize(
+    "chain",
+    [(LEANING, Rod.round(STEEL, 0.05), Joint.spherical()),
+     (Joint.revolute((0, 1, 0)), Joint.prismatic(None, 1e8), Rod.round(STEEL, 0.05),
+      Joint.spherical())],
+    ids=["skew", "two"],
+)  # fmt: skip
+def test_skew_freedoms_and_two_joints_at_a_place_are_taken(chain: tuple[Item, ...]) -> None:
+    robot = three(*chain)
+    found = Richardson(ExudynBeam(8), ExudynBeam(16), 2).modes(robot, POSE, 8)
+    exact = Continuum("timoshenko").modes(robot, POSE, 8)
+    np.testing.assert_allclose(found.frequencies, exact.frequencies, rtol=3e-4)
+    assert (pair(found, exact, robot, POSE).assurance > 0.999).all()
+    # Springs along other axes are another robot.
+    square = Joint((LEANING.freedoms[0], Freedom("rotation", (1, 0, 0), "base", 1e5)))
+    other = Continuum("timoshenko").modes(three(square, *chain[1:]), POSE, 8).frequencies
+    assert np.abs(other / exact.frequencies - 1).max() > 0.01
+
+
 def test_what_exudyn_cannot_take_is_said() -> None:
-    rod = Rod.round(STEEL, 0.05)
-    leaning = Joint((Freedom("rotation", (0, 1, 0)), Freedom("rotation", (1, 1, 0), "base", 1e5)))
-    for robot, said in (
-        (three(leaning, rod, Joint.spherical()), "right angles"),
-        (three(Joint.revolute((0, 1, 0)), Joint.prismatic(None, 1e8), rod, Joint.spherical()),
-         "one joint at a place"),
-    ):  # fmt: skip
-        with pytest.raises(InputError, match=f"limb 1, .*{said}"):
-            ExudynBeam(4).modes(robot, POSE)
-        # Others do take it.
-        known = Continuum().modes(robot, POSE).frequencies
-        chain = Richardson(MujocoChain(8), MujocoChain(16), 2).modes(robot, POSE).frequencies
-        np.testing.assert_allclose(chain, known, rtol=1e-4)
+    robot = three(Joint.spherical(), LEANING, Rod.round(STEEL, 0.05), Joint.spherical())
+    with pytest.raises(InputError, match=r"limb 1, .*independent freedoms at a place"):
+        ExudynBeam(4).modes(robot, POSE)
 
 
 def test_cables_take_what_twists_no_rod() -> None:
