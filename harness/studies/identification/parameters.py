@@ -53,6 +53,10 @@ def starting_values(case: Case) -> dict[str, float]:
     (or Eq. 8's), which is what these parameters describe.
     """
     mechanism, pose = case.mechanism, case.pose
+    for limb in mechanism.limbs:
+        if not limb.simple:
+            found = f"{case.name}, of {limb.described} limbs"
+            raise InputError("table", found, "a mechanism of R-P-S limbs of one solid round rod")
     rod, platform = mechanism.limbs[0].rod, mechanism.platform
     r1, r2 = (float(np.hypot(*p[0, :2])) for p in (mechanism.bases, mechanism.platform_points))
     same = Mechanism.regular(r1, r2, rod, platform, heading=heading(mechanism))

@@ -37,6 +37,19 @@ def scrolling(page: Any) -> list[str]:
     return found
 
 
+def broken(page: Any) -> list[str]:
+    """Words of tables' heads that stand on two lines."""
+    found: list[str] = page.evaluate(r"""[...document.querySelectorAll("th")].flatMap((cell) =>
+        [...cell.childNodes].filter((one) => one.nodeType === 3).flatMap((node) =>
+          [...node.data.matchAll(/\w+/g)].filter((word) => {
+            const range = document.createRange();
+            range.setStart(node, word.index);
+            range.setEnd(node, word.index + word[0].length);
+            return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1;
+          }).map((word) => word[0])))""")
+    return found
+
+
 def open_all(page: Any) -> None:
     page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true })")
 
@@ -187,6 +200,7 @@ def test_nothing_scrolls_inside_the_page(made: Any, opened: Any, width: int) -> 
         open_all(page)
         assert wide(page) == 0
         assert scrolling(page) == []
+        assert broken(page) == []
         for one in ("#table1 table >> nth=0", "#fig3-chart", "#history-chart"):
             assert page.locator(one).bounding_box()["width"] > 0.9 * width, one
 
