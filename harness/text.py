@@ -41,14 +41,16 @@ def request(study: ModuleType | None, texts: Mapping[str, str | None]) -> Reques
     Raises `InputError` naming the argument that cannot be read.
     """
     given = {name: text for name, text in texts.items() if text is not None}
-    default: dict[str, str] = DEFAULTS | getattr(study, "DEFAULTS", {})
+    own: dict[str, str] = getattr(study, "DEFAULTS", {})
+    default = DEFAULTS | own
     shear = shear_coefficient(given.get("shear"))
     cases = chosen(given.get("cases"), given.get("case_file"), default.get("cases", PAPER_CASES))
     model = given.get("model") or default.get("model")
     theory = parse(model, "model", **shear) if model else cases[0].theory.given(**shear)
     elements = given.get("elements") or default.get("elements")
     printed = sorted({one.mode for case in cases for one in case.printed})
-    modes = given.get("modes") or ",".join(map(str, printed)) or default["modes"]
+    paper = ",".join(map(str, printed))
+    modes = given.get("modes") or own.get("modes") or paper or default["modes"]
     named = given.get("references", default["references"])
     options = {
         option.name: None if text is None else option.parse(text)
