@@ -54,6 +54,29 @@ def does(*acts: Callable[[], Any]) -> Callable[[Modes], Modes]:
     return spoil
 
 
+class Once(Honest):
+    """Spoils one mesh and has no other: a process that ends, or hangs, is waited for."""
+
+    @classmethod
+    def info(cls) -> Info:
+        return replace(Honest.info(), refinements=None, ladder=(4,))
+
+    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Any:
+        if self.elements != 4:
+            raise InputError("elements", self.elements, "4")
+        return self.spoil(mechanism, pose, count)
+
+
+def once(name: str) -> Callable[[Callable[[Modes], Any]], type[Honest]]:
+    """Return a decorator as `wrong` does, of a model with one mesh."""
+
+    def make(function: Callable[[Modes], Any]) -> type[Honest]:
+        spoiled = wrong(name)(function)
+        return dataclass(frozen=True)(type(name, (Once,), {"spoil": spoiled.spoil}))
+
+    return make
+
+
 # Answers that are none.
 Complex = wrong("Complex")(field(frequencies=lambda f: f.astype(complex)))
 Infinite = wrong("Infinite")(first(np.inf))
@@ -104,7 +127,7 @@ class LazyModes(Modes):
         pass
 
 
-Lazy = wrong("Lazy")(lambda modes: LazyModes(**vars(modes)))
+Lazy = once("Lazy")(lambda modes: LazyModes(**vars(modes)))
 
 
 class Bomb:
@@ -114,7 +137,7 @@ class Bomb:
         return eval, ("1 / 0",)
 
 
-Unreadable = wrong("Unreadable")(lambda _: Bomb())
+Unreadable = once("Unreadable")(lambda _: Bomb())
 
 
 # Ends and errors.
@@ -129,27 +152,29 @@ def _deeper(modes: Modes) -> Any:
     return _deeper(modes)
 
 
+class Custom(BaseException):
+    pass
+
+
 def _stubborn(_: Modes) -> None:
     signal.alarm(0)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     time.sleep(600)
 
 
-class Custom(BaseException):
-    pass
-
-
 Deep = wrong("Deep")(_deeper)
 Vast = wrong("Vast")(lambda _: np.empty(1 << 50))
 Silent = wrong("Silent")(_raise(ValueError()))
 Verbose = wrong("Verbose")(_raise(ValueError("\x1b[31mred\n" * 100_000)))
-Interrupted = wrong("Interrupted")(_raise(KeyboardInterrupt()))
-Base = wrong("Base")(_raise(Custom()))
-Quits = wrong("Quits")(lambda _: os._exit(7))
-Killed = wrong("Killed")(lambda _: os.kill(os.getpid(), signal.SIGKILL))
-Unplugged = wrong("Unplugged")(lambda _: os.closerange(3, 1000))
-Stopped = wrong("Stopped")(lambda _: os.kill(os.getpid(), signal.SIGSTOP))
-Stubborn = wrong("Stubborn")(_stubborn)
+
+
+Interrupted = once("Interrupted")(_raise(KeyboardInterrupt()))
+Base = once("Base")(_raise(Custom()))
+Quits = once("Quits")(lambda _: os._exit(7))
+Killed = once("Killed")(lambda _: os.kill(os.getpid(), signal.SIGKILL))
+Unplugged = once("Unplugged")(lambda _: os.closerange(3, 1000))
+Stopped = once("Stopped")(lambda _: os.kill(os.getpid(), signal.SIGSTOP))
+Stubborn = once("Stubborn")(_stubborn)
 
 
 class Unbuilt(Honest):
