@@ -35,6 +35,7 @@ from analytic.wittrick_williams import Counted
 Floats = NDArray[np.float64]
 
 STEP = 1e-30
+UNLIKE = "modes of masses so unlike that the lighter ones are rounding"
 ROUNDING = 4 * float(np.finfo(float).eps)
 """Relative error of one entry of D; the bound on its eigenvalues is made of it."""
 ABOVE = 1e-6
@@ -61,8 +62,14 @@ class ChainForm(Counted):
 
     @cached_property
     def pencil(self) -> tuple[Floats, Floats]:
-        """(matrix, left) of D x = delta (-D') x made standard; delta are steps to the modes."""
-        left = np.linalg.inv(np.linalg.cholesky(self.mass))
+        """(matrix, left) of D x = delta (-D') x made standard; delta are steps to the modes.
+
+        Raises `NotCertifiedError` where rounding leaves no mass.
+        """
+        try:
+            left = np.linalg.inv(np.linalg.cholesky(self.mass))
+        except np.linalg.LinAlgError:
+            raise NotCertifiedError(UNLIKE) from None
         return left @ self.matrix @ left.swapaxes(1, 2), left
 
 
@@ -190,6 +197,8 @@ class Exact:
         """
         upper = self.upper(count)
         upper = self.upper(count, self.cut(float(upper[-1])))
+        if not upper[0] > 0:
+            raise NotCertifiedError(UNLIKE)
         rank = np.arange(count)
         high = upper * (1 + ABOVE)
         for close in CLOSE:

@@ -18,6 +18,7 @@ from analytic import (
     Material,
     Mechanism,
     Multipliers,
+    NotCertifiedError,
     Platform,
     Pose,
     Rod,
@@ -331,6 +332,16 @@ def test_what_cannot_be_is_refused_in_a_sentence(name: str) -> None:
             pose()  # type: ignore[operator]
         else:
             exact(mechanism, pose, Theory()).split(1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["prs", "rps-real"])
+def test_a_platform_too_heavy_for_the_digits_is_refused_in_a_sentence(name: str) -> None:
+    mechanism, pose = CASES[name].mechanism, CASES[name].pose
+    plate = mechanism.platform
+    inertia = tuple(tuple(1e14 * entry for entry in row) for row in plate.inertia)
+    heavy = replace(mechanism, platform=replace(plate, mass=1e14 * plate.mass, inertia=inertia))
+    with pytest.raises(NotCertifiedError, match="masses so unlike"):
+        Continuum().modes(heavy, pose)
 
 
 def test_timoshenko_needs_shear_coefficients_of_a_general_section() -> None:
