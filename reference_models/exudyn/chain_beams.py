@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 INDEPENDENT = 1e-9
 """Directions of freedoms that depend on each other have a smaller singular value."""
-LIGHT = 1e-9
+LIGHT = 1e-12
 """Mass and inertia of a rigid link between two joints, of its limb's: it should have none."""
 
 
