@@ -49,7 +49,10 @@ class Single:
         return np.asarray((t**POWERS * self.powers).sum(axis=0))
 
     def pencil(self, P: Floats, slope: Floats) -> tuple[Floats, Floats]:
-        """Return the eigenvalues (m,) and motions (K, m) of `Reduced.pencil`."""
+        """Return the eigenvalues (m,) and motions (K, m) of `Reduced.pencil`.
+
+        Raises `LinAlgError` where rounding leaves no mass.
+        """
         a, m = self.vectors, 6 + len(self.poles)
         K, M = pair = np.zeros((2, m, m))
         pair[:, :6, :6] = (a.T * np.array([P, -slope])[:, None]) @ a
@@ -84,7 +87,10 @@ def lowest(
     problem = _problem(known, limbs, elements, count)
     if problem is None or 6 + len(problem.poles) < count:
         return None
-    answer = _corrected(problem, count)
+    try:
+        answer = _corrected(problem, count)
+    except np.linalg.LinAlgError:
+        return None
     if answer is None:
         return None
     found, largest = answer
