@@ -119,8 +119,8 @@ def test_chains_beside_their_hinges_are_refused(
     def beside(mechanism: Mechanism, pose: Pose) -> Any:
         o, R, _ = chain_placement.stand(mechanism, pose)
         o = o + np.array([0.02, 0, 0])
-        limbs = enumerate(mechanism.limbs, start=1)
-        return o, R, [chain_placement._stand(i, limb, o, R, pose) for i, limb in limbs]
+        every = range(1, len(mechanism.limbs) + 1)
+        return o, R, [chain_placement._stand(i, mechanism, o, R, pose) for i in every]
 
     monkeypatch.setattr(where, "stand", beside)
     gap = 0.01 * np.abs(robot.axes[:, 0]).max()
