@@ -53,7 +53,8 @@ def unknown(argument: str, name: str, known: Iterable[str]) -> InputError:
     names = list(known)
     near = difflib.get_close_matches(name, names, 1)
     meant = f"; did you mean {near[0]}?" if near else ""
-    return InputError(argument, name, f"one of {', '.join(names)}{meant}")
+    expected = f"one of {', '.join(names)}{meant}" if names else "a known one, and there is none"
+    return InputError(argument, name, expected)
 
 
 def number(argument: str, value: Any, expected: str, *, positive: bool = False) -> float:

@@ -31,7 +31,7 @@ from analytic import (
     Rod,
     Section,
 )
-from analytic.errors import count, number, vector
+from analytic.errors import count, number, unknown, vector
 from harness.poses import LENGTHS, NAMES, stated, turn
 
 Table = dict[str, Any]
@@ -70,8 +70,10 @@ def get(
 
 def one_of(name: Any, where: str, known: Mapping[str, Any]) -> Any:
     """Return what is known by a name; raises `InputError` naming what there is."""
-    if not isinstance(name, str) or name not in known:
+    if not isinstance(name, str):
         raise InputError(where, name, f"one of {', '.join(known)}")
+    if name not in known:
+        raise unknown(where, name, known)
     return known[name]
 
 

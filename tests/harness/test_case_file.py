@@ -59,6 +59,12 @@ REFUSED = {
     "an axis left out": (GIVEN + ONE.replace("axis = [0, 1, 0]", "") + CASE,
                          r"mechanisms\.m\.limb\.axis = None: expected a direction"),
     "too far": ("[cases.a]\nz_mm = 1e300", r"cases\.a\.z_mm = 1e\+300: expected at most 1e\+12 m"),
+    "no rods": (
+        "[mechanisms.m]\nplatform = {radius_mm = 200, thickness_mm = 20, density_kg_m3 = 7820}\n"
+        "[[mechanisms.m.limbs]]\nbase_mm = [300, 0, 0]\nplatform_point_mm = [200, 0, 0]\n"
+        'chain = [{joint = "S"}, {rod = "link"}, {joint = "S"}]\n' + CASE,
+        r"chain\[1\]\.rod = 'link': expected a known one, and there is none",
+    ),
     "text": ('[cases.a]\nz_mm = "490"', r"cases\.a\.z_mm = '490': expected a finite number of m"),
 }  # fmt: skip
 
