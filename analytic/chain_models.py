@@ -36,6 +36,16 @@ def element_modes(
     begin = time.perf_counter()
     problem = exact(mechanism, one_pose(mechanism, pose), theory)
     net = problem.split(elements)
+    values, U, built = _solved(problem, net, count)
+    return _modes(
+        problem, net, U, values, np.zeros(count), "substructure",
+        f"rps-bench, {'sparse' if net.size > DENSE else 'dense'}", elements, theory, mechanism,
+        (begin, built),
+    )  # fmt: skip
+
+
+def _solved(problem: Exact, net: Network, count: int) -> tuple[Floats, Floats, float]:
+    """Return omega^2 (count,), coordinates (net.size, count) and when K and M were built."""
     count = check_count(count, net.size - problem.spins)
     sparse = net.size > DENSE
     K: Any
@@ -53,11 +63,7 @@ def element_modes(
             M, K + shift * M, subset_by_index=(size - count - still, size - 1)
         )
         values, U = 1 / mu[::-1] - shift, (U / np.sqrt(mu))[:, ::-1]
-    return _modes(
-        problem, net, U[:, still:], values[still:], np.zeros(count), "substructure",
-        f"rps-bench, {'sparse' if sparse else 'dense'}", elements, theory, mechanism,
-        (begin, built),
-    )  # fmt: skip
+    return values[still:], U[:, still:], built
 
 
 def held_modes(
@@ -184,5 +190,6 @@ def frequencies(
         if elements is None:
             found[i] = hertz(_middles(exact(mechanism, pose, theory), count))
         else:
-            found[i] = element_modes(mechanism, pose, theory, elements, count).frequencies
+            problem = exact(mechanism, pose, theory)
+            found[i] = hertz(_solved(problem, problem.split(elements), count)[0])
     return found.reshape(*poses.shape, count)
