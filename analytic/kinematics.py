@@ -1,7 +1,9 @@
 """The limbs at a pose: lengths, frames, joint angles and the directions they act in, Eq. (3)."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from analytic.mechanism import Mechanism
 from analytic.placed import place
 from analytic.placed import position as chain_position
-from analytic.pose import CLOSURE, Closure, Pose, check_poses, closed, dot
+from analytic.pose import CLOSURE, Closure, Pose, Triple, check_poses, closed, held, parts
 
 Array = NDArray[Any]
 """Real, or complex where a derivative is taken by complex step."""
@@ -80,51 +82,58 @@ def limbs_of(axes: Array, closure: Closure) -> Limbs:
 
     Real or complex, so that derivatives can be taken by complex step.
     """
-    vectors = closure.vectors
-    lengths = np.sqrt(dot(vectors, vectors))
-    z = vectors / lengths[..., None]
-    x = _cross(axes, z)
-    # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
-    x /= np.sqrt(dot(x, x))[..., None]
-    frames = np.empty((*x.shape, 3), dtype=x.dtype)
-    frames[..., 0], frames[..., 1], frames[..., 2] = x, _cross(z, x), z
+    lengths, each = _framed(parts(axes), parts(closure.vectors))
+    frames = np.empty((*lengths.shape, 3, 3), dtype=lengths.dtype)
+    for k, axis in enumerate(each):
+        for row, component in enumerate(axis):
+            frames[..., row, k] = component
     return Limbs(closure.rotation, closure.centre, closure.arms, lengths, frames)
 
 
-def _of_one(mechanism: Mechanism, pose: Pose) -> Limbs | None:
-    """Return what `limbs_of` does for a single pose, None where `closed` refuses it.
+def _framed(e: Triple, v: Triple) -> tuple[Any, tuple[Triple, Triple, Triple]]:
+    """Return L_i and x_i, y_i, z_i of the limb along B_i A_i = `v`, revolute about `e`: Eq. (3).
 
-    Number by number: a step of numpy on so few costs as much as a limb does here.
+    By components, each a number or an array.
     """
-    rotation, placements, z = pose.rotation, mechanism.placements, pose.z
-    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation.tolist()
-    arms = [
-        (r00 * p + r01 * q + r02 * r, r10 * p + r11 * q + r12 * r, r20 * p + r21 * q + r22 * r)
-        for _, _, (p, q, r) in placements
-    ]
-    x, y = pose.x, pose.y
-    if x is None:
-        x = y = 0.0
-        for (b, e, _), a, (u, v) in zip(placements, arms, mechanism.across.T.tolist(), strict=True):
-            gap = (a[0] - b[0]) * e[0] + (a[1] - b[1]) * e[1] + (a[2] - b[2] + z) * e[2]
-            x, y = x - u * gap, y - v * gap
-    lengths, frames = [], []
-    for ((b0, b1, b2), (e0, e1, e2), _), (a0, a1, a2), longest in zip(
-        placements, arms, mechanism.longest.tolist(), strict=True
+    length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) ** 0.5
+    z = v[0] / length, v[1] / length, v[2] / length
+    across = _crossed(e, z)
+    # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
+    size = (across[0] * across[0] + across[1] * across[1] + across[2] * across[2]) ** 0.5
+    x = across[0] / size, across[1] / size, across[2] / size
+    return length, (x, _crossed(z, x), z)
+
+
+def _crossed(a: Triple, b: Triple) -> Triple:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _of_one(mechanism: Mechanism, pose: Pose) -> Limbs | None:
+    """Return the limbs at a single pose, None where `closed` refuses it.
+
+    Of plain numbers: a step of numpy on so few costs as much as a limb does here.
+    """
+
+    def across(gaps: Sequence[float]) -> tuple[float, float]:
+        if pose.x is not None:
+            return pose.x, pose.y
+        u, v = mechanism.across.tolist()
+        return -sum(map(mul, u, gaps)), -sum(map(mul, v, gaps))
+
+    places, rotation = mechanism.placements, pose.rotation
+    centre, found = held(places, rotation.tolist(), pose.z, across)
+    arms, lengths, frames = [], [], []
+    for (arm, vector, off), (_, e, _), longest in zip(
+        found, places, mechanism.longest.tolist(), strict=True
     ):
-        v0, v1, v2 = x + a0 - b0, y + a1 - b1, z + a2 - b2
-        length = math.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
-        if abs(v0 * e0 + v1 * e1 + v2 * e2) > CLOSURE or not CLOSURE < length <= longest:
+        if abs(off) > CLOSURE or not CLOSURE < math.hypot(*vector) <= longest:
             return None
-        z0, z1, z2 = v0 / length, v1 / length, v2 / length
-        x0, x1, x2 = e1 * z2 - e2 * z1, e2 * z0 - e0 * z2, e0 * z1 - e1 * z0
-        # y and z are perpendicular to rounding only; x restores an exact frame from the other two.
-        across = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-        x0, x1, x2 = x0 / across, x1 / across, x2 / across
-        y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
+        length, axes = _framed(e, vector)
+        arms.append(arm)
         lengths.append(length)
-        frames.append(((x0, y0, z0), (x1, y1, z1), (x2, y2, z2)))
-    return Limbs(rotation, *map(np.array, ((x, y, z), arms, lengths, frames)))
+        frames.append(axes)
+    turned: Array = np.array(frames).swapaxes(-1, -2)
+    return Limbs(rotation, np.array(centre), np.array(arms), np.array(lengths), turned)
 
 
 def _of_chains(mechanism: Mechanism, pose: Pose) -> Limbs:

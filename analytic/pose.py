@@ -174,6 +174,9 @@ def dot(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
 
 
+Triple = tuple[Any, Any, Any]
+
+
 @dataclass(frozen=True)
 class Closure:
     """The platform held by its limbs; `...` is the shape of the poses.
@@ -205,14 +208,55 @@ def closure(
     and `points` A_i have shape (..., n, 3). x and y may be `given` (..., 2) instead. Nothing is
     refused: see `closed`.
     """
-    axes = mechanism.axes
-    arms = points @ R.swapaxes(-1, -2)
-    height = np.asarray(z)[..., None]
-    gap = dot(arms - bases, axes) + axes[:, 2] * height
-    across = -gap @ mechanism.across.T if given is None else given
-    o = np.concatenate([across, height], axis=-1)
-    vectors = o[..., None, :] + arms - bases
-    return Closure(R, o, arms, vectors, dot(vectors, axes))
+
+    def across(gaps: Sequence[Any]) -> tuple[Any, Any]:
+        xy = -gaps[0] @ mechanism.across.T if given is None else given
+        return xy[..., :1], xy[..., 1:]
+
+    whole = parts(bases), parts(mechanism.axes), parts(points)
+    rows = R[..., 0, :], R[..., 1, :], R[..., 2, :]
+    turn = tuple(parts(row[..., None, :]) for row in rows)
+    (x, y, height), ((arms, vectors, off_plane),) = held(
+        [whole], turn, np.asarray(z)[..., None], across
+    )
+    centre = np.concatenate([x, y, height], axis=-1)
+    return Closure(R, centre, np.stack(arms, axis=-1), np.stack(vectors, axis=-1), off_plane)
+
+
+def held(
+    places: Sequence[tuple[Triple, Triple, Triple]],
+    R: Sequence[Triple],
+    z: Any,
+    across: Callable[[Sequence[Any]], tuple[Any, Any]],
+) -> tuple[Triple, list[tuple[Triple, Triple, Any]]]:
+    """Return o, and of every limb R o A_i, B_i A_i and e_i . B_i A_i: Eq. (2), by components.
+
+    Every component is a number, or an array over poses and limbs alike. `places` are B_i, e_i and
+    A_i; `across` returns x and y from e_i . (R A_i - B_i + z), which they are to undo.
+    """
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = R
+    arms = [
+        (r00 * p + r01 * q + r02 * r, r10 * p + r11 * q + r12 * r, r20 * p + r21 * q + r22 * r)
+        for _, _, (p, q, r) in places
+    ]
+    over = [
+        (a0 - b0, a1 - b1, a2 - b2 + z)
+        for (a0, a1, a2), ((b0, b1, b2), _, _) in zip(arms, places, strict=True)
+    ]
+    axes = [e for _, e, _ in places]
+    x, y = across(
+        [v[0] * e[0] + v[1] * e[1] + v[2] * e[2] for v, e in zip(over, axes, strict=True)]
+    )
+    limbs = []
+    for a, (u0, u1, v2), e in zip(arms, over, axes, strict=True):
+        v0, v1 = x + u0, y + u1
+        limbs.append((a, (v0, v1, v2), v0 * e[0] + v1 * e[1] + v2 * e[2]))
+    return (x, y, z), limbs
+
+
+def parts(vectors: NDArray[Any]) -> Triple:
+    """Return the three components of vectors (..., 3)."""
+    return vectors[..., 0], vectors[..., 1], vectors[..., 2]
 
 
 def closed(mechanism: Mechanism, pose: Pose) -> Closure:

@@ -22,7 +22,6 @@ from analytic import (
     platform,
     pose,
 )
-from analytic.pose import closed
 from analytic.theory import Theory
 from harness.case_file import load_cases
 from reference_models import UnavailableError, reference
@@ -48,42 +47,39 @@ def _eq_1(right: Any) -> Any:
 
 def _eq_2(right: Any) -> Any:
     """The other sign of x and y; joints that this opens are believed to be closed."""
-
-    def wrong(*given: Any) -> Any:
-        found = right(*given)
-        centre = found.centre * [-1, -1, 1]
-        vectors = found.vectors + (centre - found.centre)[..., None, :]
-        return replace(found, centre=centre, vectors=vectors)
-
-    return wrong
+    return _believed(right, _eq_2_noticed(right))
 
 
 def _eq_2_sign_of_r(right: Any) -> Any:
     """The other sign of R's terms in x and y, those of the platform's points."""
 
-    def wrong(mechanism: Any, bases: Any, points: Any, z: Any, R: Any, *rest: Any) -> Any:
-        found, turned = (right(mechanism, bases, points, z, s * R, *rest) for s in (1, -1))
-        centre = np.concatenate([turned.centre[..., :2], found.centre[..., 2:]], axis=-1)
-        vectors = found.vectors + (centre - found.centre)[..., None, :]
-        return replace(found, centre=centre, vectors=vectors)
+    def wrong(places: Any, R: Any, z: Any, across: Any) -> Any:
+        back = [tuple(-entry for entry in row) for row in R]
+        (x, y, _), _ = right(places, back, z, across)
+        return right(places, R, z, lambda _: (x, y))
 
-    return wrong
+    return _believed(right, wrong)
 
 
 def _eq_2_noticed(right: Any) -> Any:
-    """The same, where it is looked at whether joints are closed."""
+    """The other sign of x and y, where it is looked at whether joints are closed."""
 
-    def wrong(mechanism: Any, *rest: Any) -> Any:
-        found = _eq_2(right)(mechanism, *rest)
-        off = np.abs((found.vectors * mechanism.axes).sum(axis=-1))
-        return replace(found, off_plane=off)
+    def wrong(places: Any, R: Any, z: Any, across: Any) -> Any:
+        return right(places, R, z, lambda gaps: tuple(-xy for xy in across(gaps)))
 
     return wrong
 
 
-def _at_one_pose(_: Any) -> Any:
-    """The other sign of x and y, where the limbs at one pose are placed number by number."""
-    return lambda mechanism, at: kinematics.limbs_of(mechanism.axes, _eq_2(closed)(mechanism, at))
+def _believed(right: Any, wrong: Any) -> Any:
+    def both(*given: Any) -> Any:
+        (_, closed), (centre, limbs) = right(*given), wrong(*given)
+        return centre, [(*limb[:2], off) for limb, (*_, off) in zip(limbs, closed, strict=True)]
+
+    return both
+
+
+def _eq_3(right: Any) -> Any:
+    return lambda e, v: right(e, (-v[0], v[1], v[2]))
 
 
 def _doubled(name: str) -> Callable[[Any], property]:
@@ -98,10 +94,10 @@ def _doubled(name: str) -> Callable[[Any], property]:
 
 SLIPS = {
     "Eq. 1": Slip(pose, "leaned", _eq_1, "exudyn-cable"),
-    "Eq. 2, sign of x and y": Slip(pose, "closure", _eq_2, "exudyn-cable"),
-    "Eq. 2, sign of R": Slip(pose, "closure", _eq_2_sign_of_r, "mujoco-cable"),
-    "Eq. 2, refused": Slip(pose, "closure", _eq_2_noticed, "exudyn-cable"),
-    "Eqs. 2 and 3 at one pose": Slip(kinematics, "_of_one", _at_one_pose, "exudyn-cable"),
+    "Eq. 2, sign of x and y": Slip(pose, "held", _eq_2, "exudyn-cable"),
+    "Eq. 2, sign of R": Slip(pose, "held", _eq_2_sign_of_r, "mujoco-cable"),
+    "Eq. 2, refused": Slip(pose, "held", _eq_2_noticed, "exudyn-cable"),
+    "Eq. 3": Slip(kinematics, "_framed", _eq_3, "exudyn-cable"),
     "A": Slip(Section, "area", _doubled("area"), "ngsolve-averaged"),
     "I": Slip(Section, "second_moments", _doubled("second_moments"), "ngsolve-averaged"),
     "kappa": Slip(
@@ -109,7 +105,7 @@ SLIPS = {
         "timoshenko",
     ),
 }  # fmt: skip
-"""Of Section 2 and Eqs. (1), (2), (10)-(13)."""
+"""Of Section 2 and Eqs. (1)-(3), (10)-(13)."""
 
 
 def _backwards(right: Any) -> Any:
@@ -174,17 +170,18 @@ def test_a_slip_in_the_analytic_model_is_seen(
     at = Pose(0.49, np.radians(10), np.radians(-12))
     right = Substructure(3, beam=slip.theory).modes(robot, at).frequencies
     before = simulator.modes(robot, at).frequencies
-    if slip.name == "closure":  # whose way for many poses is taken for one then
-        monkeypatch.setattr(kinematics, "_of_one", lambda *_: None)
     right_one = getattr(slip.owner, slip.name, None)  # a section's fields are its instances'
-    monkeypatch.setattr(slip.owner, slip.name, slip.wrong(right_one), raising=False)
-    forget()
-    try:
-        wrong = Substructure(3, beam=slip.theory).modes(robot, at).frequencies
-        assert slip.wrong is not _eq_2_noticed
-        assert np.abs(wrong / right - 1).max() > 1e-3
-    except InputError:  # refused: seen at once
-        assert slip.wrong is _eq_2_noticed
+    for owner in {slip.owner, kinematics} if slip.name == "held" else {slip.owner}:
+        monkeypatch.setattr(owner, slip.name, slip.wrong(right_one), raising=False)
+    for placed_by in (kinematics._of_one, lambda *_: None):  # by numbers, then as many poses are
+        monkeypatch.setattr(kinematics, "_of_one", placed_by)
+        forget()
+        try:
+            wrong = Substructure(3, beam=slip.theory).modes(robot, at).frequencies
+            assert slip.wrong is not _eq_2_noticed
+            assert np.abs(wrong / right - 1).max() > 1e-3
+        except InputError:  # refused: seen at once
+            assert slip.wrong is _eq_2_noticed
     np.testing.assert_array_equal(simulator.modes(robot, at).frequencies, before)
 
 
