@@ -28,6 +28,8 @@ Places = tuple[tuple[Mechanism, Pose], ...]
 
 LONG = 0.5
 """A model is not run with more elements once a call took longer than this [s]."""
+LONG_BATCH = 5.0
+"""No more poses a call are asked of a model once a call took longer than this [s]."""
 SLOW, FEW = 1.0, 3
 """A call longer than SLOW [s] is timed FEW times at most."""
 ENDLESS = 2.0
@@ -242,7 +244,8 @@ def time_ways(
     """Time every way at every case in `rounds` rounds; `yardsticks` are calls without arguments.
 
     A way of many poses a call takes the case's own pose first and others after it. Larger
-    sizes of a method are left out once a call takes longer than `LONG`.
+    sizes of a method are left out once a call takes longer than `LONG`, more poses a call once one
+    takes longer than `LONG_BATCH`.
     """
     left_out: dict[str, str] = {}
     failures: dict[str, str] = {}
@@ -251,10 +254,12 @@ def time_ways(
     running: list[_Running] = []
     stopped: set[str] = set()
     for way in ways:
-        unfit = _unfit(way.model)
+        unfit, batch = _unfit(way.model), way.poses > 1
+        # More elements of a method, or more poses of a model, would take longer still.
+        key = f"{label(way.model)}, many poses a call" if batch else way.method
         if unfit:
             left_out[way.method] = f"not with {way.size} elements ({unfit})"
-        elif way.method not in stopped:
+        elif key not in stopped:
             one = _Running(way, _places(way, cases))
             # What the first call loads or compiles is no cost of the method.
             why = one.call(bench, count) or one.call(bench, count)
@@ -263,9 +268,10 @@ def time_ways(
             else:
                 one.builds, one.solves = one.builds[-1:], one.solves[-1:]
                 running.append(one)
-                if one.seconds * len(cases) > LONG and way.poses <= 1:
-                    stopped.add(way.method)
-                    left_out[way.method] = f"not beyond {way.size}: {one.seconds:.1f} s a pose"
+                if one.seconds * len(cases) > (LONG_BATCH if batch else LONG):
+                    stopped.add(key)
+                    most, what = (way.poses, "call") if batch else (way.size, "pose")
+                    left_out[key] = f"not beyond {most}: {one.seconds:.1f} s a {what}"
         bench.listener.done(f"{way.method}, {way.size}")
     spent: dict[str, list[float]] = {name: [] for name in known}
     for k in range(rounds):

@@ -38,6 +38,8 @@ MATRICES = 10_000
 PLAINLY = (("fast", False),)
 """What keeps many poses from the compiled loop."""
 MOST_POSES = 1_000_000
+LONG_SHARE = 60.0
+"""No core is given more poses than it solves in this time [s]."""
 
 
 def _batches(text: str) -> tuple[int, ...]:
@@ -285,9 +287,12 @@ def measure(
     timings = replace(timings, yardsticks={**yards, FLOOR: yards[FLOOR] / MATRICES})
     many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
     stand_in = next((t for t in timings.timed if t.way in whole), None)
-    plain = ratios(case, rounds, max(batches))
+    most = {t.way.model: t for t in timings.timed if t.way.poses > 1}
+    plain = ratios(case, rounds, min((t.way.poses for t in most.values()), default=0))
     others = measured(case, COUNT, rounds)
     plainly = [loop if loop.settings else replace(loop, settings=PLAINLY) for loop in loops]
+    slowest = max((most[loop].median for loop in loops if loop in most), default=1.0)
+    poses_a_core = min(poses_a_core, max(1, int(LONG_SHARE / slowest)))
     cores, failed = throughput(case, plainly, poses_a_core, COUNT, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
     return Cost(case, theory, timings, many, stand_in, plain, tuple(cores), others)

@@ -1,5 +1,6 @@
 """What a frequency costs: parts add up, growth is read right, a failure costs itself alone."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -18,7 +19,7 @@ from harness.studies.cost.growth import growth
 from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
 from harness.tables import Table
-from harness.timing import Timed, Way
+from harness.timing import Timed, Way, time_ways
 from reference_models import Named
 
 CASE = PRESETS["case2"]
@@ -182,3 +183,13 @@ def test_limbs_of_any_chain_have_a_cost_too() -> None:
     }
     assert found.operations("null-space") > 1 and found.operations("saddle-point") > 1
     assert "limb 1, P-body-R-rod-S" in found.peers.reason or "OpenSees needs" in found.peers.reason
+
+
+def test_no_more_poses_are_asked_of_what_is_slow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("harness.timing.LONG_BATCH", 0.0)
+    loop = Named("condensed", None, (("fast", False),))
+    ways = [Way(loop, 10), Way(loop, 100), Way(replace(loop, elements=2), 100)]
+    with Bench() as bench:
+        timings = time_ways(bench, ways, [CASE], 1, 6)
+    assert [t.way for t in timings.timed] == [ways[0], ways[2]]
+    assert re.search(r"not beyond 10: .* s a call", " ".join(timings.left_out.values()))
