@@ -272,7 +272,7 @@ def budget_figure(result: Budget) -> "Figure":
             axes.errorbar(where, total, own, fmt="D", ms=4.5, color="black", mec="white", mew=0.7,
                           elinewidth=0.8, capsize=2, label="total" if k == 0 else None)  # fmt: skip
             for x, top, value in zip(where, np.maximum(up, total), total, strict=True):
-                axes.annotate(f"{value:+.2f}", (x, top), xytext=(0, 5), ha="center", rotation=90,
+                axes.annotate(f"{value:+.2f}", (x, top), xytext=(0, 6), ha="center", rotation=90,
                               textcoords="offset points", fontsize=7)  # fmt: skip
             ticks += where.tolist()
         names = np.repeat(result.elements, len(place))

@@ -96,7 +96,7 @@ class Shapes(Result):
         drawn = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
         return drawn | {
             f"-assurance-{case.name}-{reference.label}":
-            assurance_figure(self, f"{case.name}: assurance (mass-weighted)", reference, found)
+            assurance_figure(self, case, reference, found)
             for case, reference, found in self._pairs()
         }  # fmt: skip
 
@@ -246,7 +246,7 @@ def draw_marks(axes: "Axes", there: Drawn, limbs: Array | float, platform: Array
     axes.plot(x, y, marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=5)
 
 
-def assurance_figure(result: Shapes, title: str, reference: Named, found: Match) -> "Figure":
+def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match) -> "Figure":
     """Return the assurance criterion of every mode against every one."""
     from matplotlib.figure import Figure
 
@@ -261,6 +261,7 @@ def assurance_figure(result: Shapes, title: str, reference: Named, found: Match)
     axes.set_xticks(range(matrix.shape[1]), [f"{j + 1}" for j in range(matrix.shape[1])])
     axes.set_yticks(range(len(shown)), [f"{i}" for i in shown])
     axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {result.theory.label}")
-    axes.set_title(title, fontsize=10)
+    axes.set_title(f"Assurance weighted by mass. {case.heading}", fontsize=10)
+    figure.supxlabel("modes that repeat are compared as one subspace", fontsize=7)
     figure.colorbar(image, shrink=0.8)
     return figure
