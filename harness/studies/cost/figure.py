@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from harness.studies.cost import Cost
 
+CLOSE = 3.0
+"""Factor in elements or poses, and in time, within which one name would run into the next."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -58,7 +61,7 @@ def cost_figure(cost: "Cost") -> "Figure":
         _point(cost, t, YARDSTICK, t.way.model.elements or exact, t.way.method)
         for t in cost.elements
     ]
-    _panel(left, points, COLOURS[0], more=True)
+    panel(left, points, COLOURS[0], more=True)
     ticks = [*cost.steps, exact]
     left.set_xscale("log")
     left.set_xticks(ticks, [*map(str, cost.steps), "exact"])
@@ -69,7 +72,7 @@ def cost_figure(cost: "Cost") -> "Figure":
         _point(cost, t, FLOOR, max(1, t.way.poses), replace(t.way, poses=0).method)
         for t in cost.batches
     ]
-    _panel(right, points, COLOURS[3], more=False)
+    panel(right, points, COLOURS[3], more=False)
     right.set(xscale="log", xlabel="poses a call", ylabel="time of a pose / yardstick")
     right.set_title(f"(b) frequencies, {FLOOR} = 1", fontsize=9)
     for axes in (left, right):
@@ -88,7 +91,8 @@ def _point(cost: "Cost", t: Timed, yardstick: str, x: Any, name: str) -> Point:
     return Point(float(x), time, curve, f"{name}, exact" if exact and not t.way.poses else name)
 
 
-def _panel(axes: "Axes", points: Sequence[Point], colour: str, *, more: bool) -> None:
+def panel(axes: "Axes", points: Sequence[Point], colour: str, *, more: bool) -> None:
+    """Draw `points`: what nothing beats in `colour` and named, `more` as in `unbeaten`."""
     for curve in dict.fromkeys(p.curve for p in points):
         own = sorted((p for p in points if p.curve == curve), key=lambda p: p.x)
         axes.plot([p.x for p in own], [p.time for p in own], "o-", color="0.82", ms=3, lw=0.8,
@@ -96,10 +100,15 @@ def _panel(axes: "Axes", points: Sequence[Point], colour: str, *, more: bool) ->
     front = unbeaten(points, more=more)
     axes.plot([p.x for p in front], [p.time for p in front], "o-", color=colour, ms=5, lw=1.4,
               zorder=2)  # fmt: skip
-    for name, last in {p.name: p for p in front}.items():
-        # Beside the curve, which rises in (a) and falls in (b), and inside the panel.
-        side, (x, y) = "left", (6, -12)
+    lasts = sorted({p.name: p for p in front}.values(), key=lambda p: p.x)
+    below = 0
+    for before, last in zip([None, *lasts], lasts, strict=False):
+        # Beside the curve, which rises in (a) and falls in (b), and inside the panel; names of
+        # close neighbours stand under each other.
+        near = before and last.x < CLOSE * before.x and 1 / CLOSE < last.time / before.time < CLOSE
+        below = below + 1 if near else 0
+        side, (x, y) = "left", (6, -12 - 10 * below)
         if last == front[-1]:
             side, (x, y) = "right", (4, 8 if more else -14)
-        axes.annotate(name, (last.x, last.time), xytext=(x, y), textcoords="offset points",
+        axes.annotate(last.name, (last.x, last.time), xytext=(x, y), textcoords="offset points",
                       fontsize=7, color=colour, ha=side, zorder=3)  # fmt: skip

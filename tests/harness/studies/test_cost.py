@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from harness.bench import Bench
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
-from harness.studies.cost.figure import Point, unbeaten
+from harness.studies.cost.figure import Point, panel, unbeaten
 from harness.studies.cost.growth import growth
 from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
@@ -113,6 +113,20 @@ def test_the_picture_names_what_nothing_beats_and_no_more(cost: Cost) -> None:
         names = [text.get_text() for text in axes.texts]
         assert names and len(names) < 5
         assert len({line.get_color() for line in axes.lines}) == 2  # the front and the rest
+
+
+def test_names_of_neighbours_on_the_front_do_not_overlap() -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.5, 5), layout="constrained")
+    axes = figure.subplots()
+    axes.set(xscale="log", yscale="log", xlim=(0.5, 300), ylim=(0.8, 2e4))
+    rows = {"euler-bernoulli": (3, 2.0), "euler-bernoulli[solver=dense]": (4, 2.1),
+            "multipliers[solver=null-space]": (8, 7.0), "exact": (128, 12.0)}  # fmt: skip
+    panel(axes, [Point(x, time, name, name) for name, (x, time) in rows.items()], "C0", more=True)
+    figure.draw_without_rendering()
+    for one, other in combinations([text.get_window_extent() for text in axes.texts], 2):
+        assert not one.overlaps(other)
 
 
 def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
