@@ -96,7 +96,7 @@ class Exact:
         """Return the network whose rods have no mode with ends held below `omega2`."""
 
         def count(group: int, item: int) -> int:
-            return int(pieces(self.of[group, item], self.lengths(group, item), omega2).max())
+            return pieces(self.of[group, item], self.lengths(group, item), omega2)
 
         return network(self.groups, count, self.platform_mass, self.unit)
 

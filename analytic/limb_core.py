@@ -4,6 +4,7 @@ Joints whose directions turn relative to the limb from pose to pose are left out
 core has ports, motions that are given, as its tip's six are.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -99,28 +100,27 @@ class Assembled:
     @cached_property
     def pair(self) -> Floats:
         """K and M with one element a piece, (2, n, size, size)."""
-        each = [
-            element_matrices(self._properties(p.item), self.lengths[:, p.item] / p.count)
-            for p in self.net.rods
-        ]
-        return self._placed(self.net.rod_blocks(each), [b for _, _, b in self.net.constant])
+        blocks = self._rods(lambda of, lengths, _: element_matrices(of, lengths))
+        return self._placed(blocks, [b for _, _, b in self.net.constant])
 
     def dynamic(self, lam: Array) -> Array:
         """Return D at `lam` (q, n), shape (q, n, size, size); complex of complex."""
-        if self.core.elements is not None:
-            K, M = self.pair
-            return np.asarray(K - lam[..., None, None] * M)
-        each = [
-            dynamic_stiffness(
-                self._properties(p.item), self.lengths[:, p.item] / p.count, np.asarray(lam)
-            )
-            for p in self.net.rods
-        ]
+        blocks = self._rods(lambda of, lengths, s: dynamic_stiffness(of, lengths, lam, s))
         still = [b[0] - lam[..., None, None] * b[1] for _, _, b in self.net.constant]
-        return self._placed(self.net.rod_blocks(each), still)
+        return self._placed(blocks, still)
 
-    def _properties(self, item: int) -> Properties:
-        return repeated(self.core.of[item], len(self.lengths))
+    def _rods(self, matrices: Callable[[Properties, Floats, int | None], Array]) -> list[Array]:
+        """Return the blocks of rods, `matrices` being a piece's of its length and elements."""
+        most, last = [], []
+        for p in self.net.rods:
+            of, length = repeated(self.core.of[p.item], len(self.lengths)), self.lengths[:, p.item]
+            s = self.core.elements or p.count
+            m = -(-s // p.count)
+            end = s - (p.count - 1) * m
+            both = {k: matrices(of, length * (k / s), self.core.elements and k) for k in (m, end)}
+            most.append(both[m])
+            last.append(both[end])
+        return self.net.rod_blocks(most, last)
 
     def _placed(self, blocks: list[Array], still: list[Array]) -> Array:
         size = self.net.size
@@ -147,12 +147,8 @@ def assembled(core: Core, adapting: Floats, omega2: Floats) -> Assembled:
     lengths = placed.lengths
 
     def count(_: int, item: int) -> int:
-        if core.elements is not None:
-            return core.elements
-        of = Properties(
-            *(np.repeat(v, len(adapting), axis=0) for v in vars(core.of[item]).values())
-        )
-        return int(pieces(of, lengths[:, item], omega2).max())
+        of = repeated(core.of[item], len(adapting))
+        return pieces(of, lengths[:, item], omega2, core.elements)
 
     walk = Walk(0, placed, float(lengths.sum(axis=1).mean()), count)
     size = walk.own + TIP

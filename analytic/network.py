@@ -92,12 +92,19 @@ class Network:
             (block, self.joints[k]) for k, block in enumerate(self.constant) if k in self.joints
         ]
 
-    def rod_blocks(self, matrices: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
-        """Return blocks of `rods`, from (..., n, 12, 12) in limb axes of every rod's pieces."""
+    def rod_blocks(
+        self, matrices: Sequence[NDArray[Any]], last: Sequence[NDArray[Any]] | None = None
+    ) -> list[NDArray[Any]]:
+        """Return blocks of `rods`, from (..., n, 12, 12) in limb axes of every rod's pieces.
+
+        `last`: those of every rod's last piece, where it is another.
+        """
         blocks = []
-        for piece, matrix in zip(self.rods, matrices, strict=True):
+        for piece, *both in zip(self.rods, matrices, last or matrices, strict=True):
             R = self.groups[piece.group].frames.swapaxes(-1, -2)
-            blocks += [H.swapaxes(-1, -2) @ matrix @ H for H in _ends(piece, R)]
+            *before, end = _ends(piece, R)
+            blocks += [H.swapaxes(-1, -2) @ both[0] @ H for H in before]
+            blocks.append(end.swapaxes(-1, -2) @ both[1] @ end)
         return blocks
 
 

@@ -7,6 +7,7 @@ Phi = 12 EI / (kappa G A h^2); Phi = 0 gives Hermite's cubics.
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +118,28 @@ def deflection(xi: Floats) -> Floats:
             [1 - x, (x - x**2) / 2, x, (x**2 - x) / 2],
         ]
     ).swapaxes(1, 2)
+
+
+def bending_numbers(
+    phi: NDArray[Any], rotary: NDArray[Any]
+) -> tuple[tuple[NDArray[Any], ...], tuple[NDArray[Any], ...]]:
+    """Return (p, q, t, v, r, y) of an element's bending stiffness and of its mass.
+
+    [[p, q, t, v], [q, r, -v, y], [t, -v, p, -q], [v, y, -q, r]] in units of EI / h^3 and rho A h
+    over (w, h theta), in closed form (Friedman and Kosmatka 1993): `phi` 12 EI / (kappa G A h^2),
+    `rotary` rho I / (rho A h^2).
+    """
+    one = 1 / (1 + phi)
+    stiff = (12 * one, 6 * one, -12 * one, 6 * one, (4 + phi) * one, (2 - phi) * one)
+    mass = (
+        13 / 35 + 7 * phi / 10 + phi**2 / 3 + rotary * 6 / 5,
+        11 / 210 + 11 * phi / 120 + phi**2 / 24 + rotary * (1 / 10 - phi / 2),
+        9 / 70 + 3 * phi / 10 + phi**2 / 6 - rotary * 6 / 5,
+        -(13 / 420 + 3 * phi / 40 + phi**2 / 24) + rotary * (1 / 10 - phi / 2),
+        1 / 105 + phi / 60 + phi**2 / 120 + rotary * (2 / 15 + phi / 6 + phi**2 / 3),
+        -(1 / 140 + phi / 60 + phi**2 / 120) - rotary * (1 / 30 + phi / 6 - phi**2 / 6),
+    )
+    return stiff, tuple(entry * one**2 for entry in mass)
 
 
 @lru_cache(maxsize=2)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analytic.errors import InputError
 from analytic.mechanism import Mechanism, Rod
-from analytic.rod_elements import properties
+from analytic.rod_elements import bending_numbers, properties
 from analytic.theory import Theory
 
 Array = NDArray[Any]
@@ -140,22 +140,11 @@ def _chain_waves(rods: Sections, lengths: Array, lam: Array, s: int) -> Waves:
 def chain_element(rods: Sections, length: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
     """Return (p, q, t, v, r, y) of an element's bending stiffness and of its mass.
 
-    In units of EI / h^3 and rho A h over (w, h theta): `analytic.beam` in closed form (Friedman
-    and Kosmatka 1993), for arrays of `length` h [m].
+    For arrays of `length` h [m]; see `bending_numbers`.
     """
-    phi = rods.flexibility / length**2
-    rotary = rods.line_inertia / (rods.line_mass * length**2)
-    one = 1 / (1 + phi)
-    stiff = (12 * one, 6 * one, -12 * one, 6 * one, (4 + phi) * one, (2 - phi) * one)
-    mass = (
-        13 / 35 + 7 * phi / 10 + phi**2 / 3 + rotary * 6 / 5,
-        11 / 210 + 11 * phi / 120 + phi**2 / 24 + rotary * (1 / 10 - phi / 2),
-        9 / 70 + 3 * phi / 10 + phi**2 / 6 - rotary * 6 / 5,
-        -(13 / 420 + 3 * phi / 40 + phi**2 / 24) + rotary * (1 / 10 - phi / 2),
-        1 / 105 + phi / 60 + phi**2 / 120 + rotary * (2 / 15 + phi / 6 + phi**2 / 3),
-        -(1 / 140 + phi / 60 + phi**2 / 120) - rotary * (1 / 30 + phi / 6 - phi**2 / 6),
+    return bending_numbers(
+        rods.flexibility / length**2, rods.line_inertia / (rods.line_mass * length**2)
     )
-    return stiff, tuple(entry * one**2 for entry in mass)
 
 
 def _quadratic(b: Array, c: Array) -> tuple[Array, Array]:

@@ -158,7 +158,7 @@ def test_exact_pieces_at_low_frequency_are_elements() -> None:
 def test_a_cut_rod_has_no_mode_with_ends_held() -> None:
     rods = properties([Rod(STEEL, Section.round(0.1))], Theory("timoshenko"))
     for omega2 in (1e6, 1e8, 1e10):
-        n = int(pieces(rods, np.array([1.0]), omega2)[0])
+        n = pieces(rods, np.array([1.0]), omega2)
         length = np.array([1.0 / n])
         K, M = element_matrices(rods, length / 32)[:, 0]
         big_k, big_m = np.zeros((2, 6 * 33, 6 * 33))

@@ -78,6 +78,19 @@ def test_tables_give_what_single_poses_give(name: str, elements: int | None, bea
     assert found[::13] == pytest.approx(alone, rel=5e-10)
 
 
+@pytest.mark.parametrize(
+    ("name", "elements"),
+    [("rps-real", 1), ("four-rps", 3), ("hexapod", 5), ("six-sps", 8), ("three-upu", 16)]
+    + [("flexure-hexapod", 17), ("prs", 64)],
+)
+@pytest.mark.usefixtures("tables_alone")
+def test_tables_hold_any_number_of_elements(name: str, elements: int) -> None:
+    mechanism, poses = CASES[name].mechanism, near(name, 30)
+    found = condensed_frequencies(mechanism, poses, elements, beam="timoshenko")
+    alone = frequencies(mechanism, poses[::29], Theory("timoshenko"), elements, 6)
+    assert found[::29] == pytest.approx(alone, rel=1e-9)
+
+
 def test_an_entry_near_nothing_leaves_the_others_their_digits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -127,7 +140,7 @@ def test_many_modes_need_more_poles_and_get_them() -> None:
     assert found[:, :5] == pytest.approx(fewer, rel=1e-9)
 
 
-@pytest.mark.parametrize("elements", [None, 3])
+@pytest.mark.parametrize("elements", [None, 3, 16, 23, 1000])
 def test_a_table_of_the_papers_limb_is_its_dynamic_stiffness(elements: int | None) -> None:
     """Diagonal, and what the code for R-P-S limbs computes another way."""
     theory = Theory("timoshenko")
