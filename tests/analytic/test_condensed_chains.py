@@ -80,8 +80,10 @@ def test_tables_give_what_single_poses_give(name: str, elements: int | None, bea
 
 @pytest.mark.parametrize(
     ("name", "elements"),
-    [("rps-real", 1), ("four-rps", 3), ("hexapod", 5), ("six-sps", 8), ("three-upu", 16)]
-    + [("flexure-hexapod", 17), ("prs", 64)],
+    [
+        *(("rps-real", 1), ("four-rps", 3), ("hexapod", 5), ("six-sps", 8)),
+        *(("three-upu", 16), ("flexure-hexapod", 17), ("prs", 64)),
+    ],
 )
 @pytest.mark.usefixtures("tables_alone")
 def test_tables_hold_any_number_of_elements(name: str, elements: int) -> None:
