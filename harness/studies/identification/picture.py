@@ -31,7 +31,7 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     for k, one in enumerate(fits):
         _draw_profiles(above, one, COLOURS[k], LOWEST + k * STEP)
     for axes, name in zip(above, names, strict=True):
-        axes.set_xlabel(name.replace("_", " "), fontsize=9)
+        axes.set_xlabel(_with_unit(name), fontsize=9)
         axes.grid(alpha=0.25)
         axes.tick_params(labelsize=8)
         axes.set_ylim(-0.2 * axes.get_ylim()[1], None)
@@ -46,7 +46,7 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
                 color=COLOURS[k], label=one.problem.label,
             )  # fmt: skip
         axes.axhline(0, color="0.4", lw=0.8)
-        axes.set_title(case.name, fontsize=10)
+        axes.set_title(case.heading, fontsize=10)
         axes.set_xticks(modes, [f"$f_{i}$" for i in modes])
         axes.grid(alpha=0.25)
         axes.set_ylabel("left over [%]")
@@ -59,6 +59,13 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     )
     figure.suptitle(f"Fits to {table.source}\n{explained}", fontsize=10)
     return figure
+
+
+def _with_unit(name: str) -> str:
+    """Return "platform radius [mm]" for "platform_radius_mm", "density [kg/m3]" for its like."""
+    words = name.split("_")
+    unit = -2 if words[-1] == "m3" else -1
+    return f"{' '.join(words[:unit])} [{'/'.join(words[unit:])}]"
 
 
 def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str, low_down: float) -> None:

@@ -37,16 +37,17 @@ def scrolling(page: Any) -> list[str]:
     return found
 
 
-def broken(page: Any) -> list[str]:
-    """Words of tables' heads that stand on two lines."""
-    found: list[str] = page.evaluate(r"""[...document.querySelectorAll("th")].flatMap((cell) =>
+def broken(page: Any, cells: str = "th") -> list[str]:
+    """Words in tables' heads, or in other `cells`, that stand on two lines."""
+    script = r"""(cells) => [...document.querySelectorAll(cells)].flatMap((cell) =>
         [...cell.childNodes].filter((one) => one.nodeType === 3).flatMap((node) =>
           [...node.data.matchAll(/\w+/g)].filter((word) => {
             const range = document.createRange();
             range.setStart(node, word.index);
             range.setEnd(node, word.index + word[0].length);
             return new Set([...range.getClientRects()].map((box) => Math.round(box.top))).size > 1;
-          }).map((word) => word[0])))""")
+          }).map((word) => word[0])))"""
+    found: list[str] = page.evaluate(script, cells)
     return found
 
 
@@ -167,6 +168,9 @@ def test_on_paper(made: Any, opened: Any) -> None:
         assert page.locator("nav, .controls, summary, #theme").locator("visible=true").count() == 0
         assert page.locator("details.print:not([open])").count() == 0
         assert page.locator("#budget table tr").count() > 20
+        page.set_viewport_size({"width": 688, "height": 1000})  # A4 within its margins
+        assert broken(page, "th, td") == []
+        assert wide(page) <= 0
         paper = page.pdf(format="A4")
         assert len(paper) > 50_000
         page.emulate_media(media="screen", color_scheme="dark")
