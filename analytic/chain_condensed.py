@@ -16,8 +16,10 @@ from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
 
-FEW = 20
-"""Poses a core up to which none is worth its table."""
+FEW, FEWER = 20, 5
+"""Poses a core up to which none is worth its table; and where a pose alone costs more."""
+LIGHT = 16
+"""Elements a rod up to which a pose alone costs a few hundredths of a second at most."""
 SAMPLES = 4
 """Poses whose frequencies say how far tables are to reach."""
 CHUNK = 250
@@ -43,8 +45,9 @@ def condensed(
     certain, are solved one by one, by `Continuum`'s bisection or from the elements' matrices.
     """
     flat = poses.ravel()
-    made = _Tables(mechanism, flat, theory, elements, count) if len(flat) > FEW else None
-    if made is None or len(flat) <= FEW * len(made.reach):
+    few = FEW if elements is not None and elements <= LIGHT else min(FEW, FEWER)
+    made = _Tables(mechanism, flat, theory, elements, count) if len(flat) > few else None
+    if made is None or len(flat) <= few * len(made.reach):
         return chain_models.frequencies(mechanism, poses, theory, elements, count)
     found = np.full((len(flat), count), np.nan)
     for first in range(0, len(flat), CHUNK):

@@ -93,6 +93,17 @@ def test_tables_hold_any_number_of_elements(name: str, elements: int) -> None:
     assert found[::29] == pytest.approx(alone, rel=1e-9)
 
 
+@pytest.mark.parametrize("elements", [None, 64])
+def test_six_poses_repay_a_table_where_each_alone_is_dear(
+    elements: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    poses, mechanism = near("prs", 6), CASES["prs"].mechanism
+    known = frequencies(mechanism, poses[:1], Theory("timoshenko"), elements, 6)
+    monkeypatch.delattr(chain_condensed.chain_models, "frequencies")
+    found = condensed_frequencies(mechanism, poses, elements, beam="timoshenko")
+    assert found[:1] == pytest.approx(known, rel=1e-9)
+
+
 def test_an_entry_near_nothing_leaves_the_others_their_digits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
