@@ -37,7 +37,7 @@ Block = tuple[int, tuple[int, ...], Floats]
 
 @dataclass(frozen=True)
 class Piece:
-    """A rod of n limbs in `count` equal pieces.
+    """A rod of n limbs in `count` pieces, equal but for the last of a `limb_core`.
 
     Attributes: `group` and `item`, which rod; `first`, `last` the maps of its ends; `start`, the
     coordinate of its first inner node, of six each.
