@@ -192,13 +192,13 @@ class _Running:
     phases: list[Mapping[str, float]] = field(default_factory=list)
     calls: int = 0
 
-    def call(self, bench: Bench, count: int, number: int = 1) -> str:
-        """Make `number` calls; return why there is no answer, "" if there is one."""
+    def call(self, bench: Bench, count: int, number: int = 1) -> Failure | None:
+        """Make `number` calls; return why there is no answer, None if there is one."""
         task = Call(self.way, self.places, count, number, self.calls)
         self.calls += number
         found = bench.call(task, self.way.model.info().isolated)
         if isinstance(found, Failure):
-            return found.reason
+            return found
         assert isinstance(found, Spent)
         self.seconds, self.answers = found.seconds, found.answers
         self.phases.append(found.phases)
@@ -206,7 +206,7 @@ class _Running:
             if isinstance(answer, Modes):
                 self.builds.append(answer.build_seconds)
                 self.solves.append(answer.solve_seconds)
-        return ""
+        return None
 
     def sample(self, bench: Bench, count: int, k: int) -> None:
         """Time the way in round `k`, unless it has been timed often enough."""
@@ -263,8 +263,10 @@ def time_ways(
             one = _Running(way, _places(way, cases))
             # What the first call loads or compiles is no cost of the method.
             why = one.call(bench, count) or one.call(bench, count)
-            if why:
-                failures[f"{label(way.model)} at {', '.join(c.name for c in cases)}"] = why
+            if why is not None and why.refused:
+                left_out[key] = why.reason
+            elif why is not None:
+                failures[f"{label(way.model)} at {', '.join(c.name for c in cases)}"] = why.reason
             else:
                 one.builds, one.solves = one.builds[-1:], one.solves[-1:]
                 running.append(one)

@@ -1,5 +1,6 @@
 """Error against time as a picture: the ways that nothing beats, the rest faint behind them."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 
 NAMED = 3.0
 """Factor in error from one named way to the next."""
-ROOM = 400.0
-"""Factor in time that the longest name takes."""
+ROOM = 0.36
+"""Part of a panel's width that the longest name takes."""
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
@@ -53,6 +54,7 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         [1e3 * p.seconds for p in known], [max(LEAST, p.worst(kind, modes)) for p in known],
         "o", color="0.8", ms=4, zorder=1,
     )  # fmt: skip
+    ends: dict[bool, list[float]] = {False: [], True: []}
     for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
         front = result.front(kind, modes, many)
         times = [1e3 * p.seconds for p in front]
@@ -64,6 +66,7 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
             if errors[k] > said / NAMED:
                 continue
             said = errors[k]
+            ends[many].append(float(np.log(times[k])))
             axes.annotate(
                 label(point.model), (times[k], errors[k]), xytext=(-6, -9) if many else (5, 5),
                 ha="right" if many else "left", textcoords="offset points", fontsize=7,
@@ -75,9 +78,18 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         axes.text(0.99, 0.01, f"grey band: the truth is known to {percent(unsure)}", fontsize=7,
                   ha="right", va="bottom", transform=axes.transAxes)  # fmt: skip
     axes.set(xscale="log", yscale="log")
-    # Room for names: those of many poses stand left of their points, the others right.
-    left, right = axes.get_xlim()
-    axes.set_xlim(left / ROOM, right * ROOM**0.5)
+    axes.set_xlim(*np.exp(_with_room(np.log(axes.get_xlim()).tolist(), ends[True], ends[False])))
     if unsure:
         axes.set_ylim(bottom=unsure / 3)
     axes.grid(alpha=0.25)
+
+
+def _with_room(
+    limits: Sequence[float], before: Sequence[float], after: Sequence[float]
+) -> tuple[float, float]:
+    """Return limits with `ROOM` left of all of `before`, and right of all of `after`."""
+    low, high = limits
+    for _ in range(30):  # what is added widens the panel, by less each time
+        room = ROOM * (high - low)
+        low, high = min([low, *(x - room for x in before)]), max([high, *(x + room for x in after)])
+    return low, high

@@ -29,7 +29,7 @@ from harness.tables import Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BATCHED, ONE_BY_ONE = (72, 15), (12, 4)
+BATCHED, OF_CHAINS, ONE_BY_ONE = (72, 15), (36, 8), (12, 4)
 """Azimuths and tilts of models that take all poses at once, and of those that take one."""
 LAYERS, MOST_LAYERS = 6, 50
 MOST_POSES = 200_000
@@ -152,16 +152,17 @@ def workspace(
     size: tuple[int, int] | None = None,
 ) -> Workspace:
     """Return the map of `model` over a region: `layers` of heights [m], `size` azimuths x tilts."""
-    # Limbs of any chain are solved pose by pose.
-    isolated = model.info().isolated or not region.mechanism.simple
-    azimuths, tilts = size or (ONE_BY_ONE if isolated else BATCHED)
-    limbs = len(region.mechanism.limbs)
+    limbs, isolated = len(region.mechanism.limbs), model.info().isolated
+    simple = region.mechanism.simple
+    # Of other chains some poses are solved one by one.
+    usual = ONE_BY_ONE if isolated else BATCHED if simple else OF_CHAINS
+    azimuths, tilts = size or (limbs * -(-usual[0] // limbs), usual[1])
     if azimuths % limbs:
         expected = f"AxT with azimuths a multiple of the {limbs} limbs"
         raise InputError("grid", f"{azimuths}x{tilts}", expected)
     z = region.layers(LAYERS) if layers is None else layers
     drawn = workspace_map(region, Grid.of(region, z, azimuths, tilts), model, max(shown), bench)
-    if isolated:
+    if isolated or not simple:
         return Workspace(drawn, drawn, shown)
     # A batch is cheap enough to check the statements at every height, not only those drawn.
     return Workspace(drawn, whole(region, model, max(shown), bench, (azimuths, tilts)), shown)
