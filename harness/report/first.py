@@ -63,9 +63,13 @@ def _answers(run: Material, printed: TableOne | None) -> list[Json]:
     """Return questions that a reader has, each with what the run says of it."""
     cases = "; ".join(case.heading for case in run.plan.cases)
     notes = "; ".join(dict.fromkeys(case.note for case in run.plan.cases if case.note))
+    studies = [study for result in run.results for study in result.studies]
+    lost = {model for study in studies for _, model in study.failures}
+    lost -= {model for study in studies for _, model in study.answers}
     theory, *references = [
         f"{label(model)} ({model.info().theory})"
         for model in (run.plan.theory, *run.plan.references)
+        if model == run.plan.theory or model not in lost
     ]
     said = {"What was checked?": [f"{theory} at {cases}: {notes or 'as given'}."]}
     if references:

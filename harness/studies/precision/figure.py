@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 NAMED = 3.0
 """Factor in error from one named way to the next."""
-ROOM = 0.36
+ROOM = 0.42
 """Part of a panel's width that the longest name takes."""
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""

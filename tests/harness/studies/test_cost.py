@@ -207,3 +207,13 @@ def test_no_more_poses_are_asked_of_what_is_slow(monkeypatch: pytest.MonkeyPatch
         timings = time_ways(bench, ways, [CASE], 1, 6)
     assert [t.way for t in timings.timed] == [ways[0], ways[2]]
     assert re.search(r"not beyond 10: .* s a call", " ".join(timings.left_out.values()))
+
+
+def test_what_a_model_cannot_take_is_left_out_and_no_failure() -> None:
+    prs = load_cases(MECHANISMS)["prs"]
+    ways = [Way(Named("euler-bernoulli", 2)), *(Way(Named("mujoco-cable", s)) for s in (4, 8))]
+    with Bench() as bench:
+        timings = time_ways(bench, ways, [prs], 1, 6)
+    assert [t.way for t in timings.timed] == ways[:1]
+    assert timings.failures == {}
+    assert "limb 1, P-body-R-rod-S" in timings.left_out["mujoco-cable"]
