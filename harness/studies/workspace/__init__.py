@@ -73,7 +73,13 @@ TAKES = ("cases", "case_file", "modes", "model", "shear")
 DEFAULTS = {"model": "timoshenko@exact", "modes": "1-3", "cases": "case1"}
 OPTIONS = (
     Option("layers", "Z,Z", "Heights z [mm]; default six over the cone.", None, _layers),
-    Option("grid", "AxT", "Azimuths x tilts; default 72x15, or 12x4 for a simulator.", None, _grid),
+    Option(
+        "grid",
+        "AxT",
+        "Azimuths x tilts; default 72x15, 36x8 for other chains, 12x4 for a simulator.",
+        None,
+        _grid,
+    ),
     OPTION,
     _length("length_min_mm", "Shortest limb; default 200."),
     _length("length_max_mm", "Longest limb; default 1000."),
