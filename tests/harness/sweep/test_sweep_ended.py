@@ -67,7 +67,7 @@ def test_workers_killed_at_random_leave_every_row_once(slow_sweep: Any) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(30))
 def test_a_series_of_kills_ends_like_a_whole_run(slow_sweep: Any, seed: int) -> None:
     """The sweep itself, three times, at any moment from its start to its last file."""
     random = np.random.default_rng(seed)
