@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 NAMED = 3.0
 """Factor in error from one named way to the next."""
-ROOM = 0.42
-"""Part of a panel's width that the longest name takes."""
+LETTER = 0.0125
+"""Part of a panel's width that a letter of a name takes."""
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
@@ -54,7 +54,7 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         [1e3 * p.seconds for p in known], [max(LEAST, p.worst(kind, modes)) for p in known],
         "o", color="0.8", ms=4, zorder=1,
     )  # fmt: skip
-    ends: dict[bool, list[float]] = {False: [], True: []}
+    names: dict[bool, list[tuple[float, str]]] = {False: [], True: []}
     for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
         front = result.front(kind, modes, many)
         times = [1e3 * p.seconds for p in front]
@@ -66,9 +66,10 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
             if errors[k] > said / NAMED:
                 continue
             said = errors[k]
-            ends[many].append(float(np.log(times[k])))
+            name = label(point.model)
+            names[many].append((float(np.log(times[k])), name))
             axes.annotate(
-                label(point.model), (times[k], errors[k]), xytext=(-6, -9) if many else (5, 5),
+                name, (times[k], errors[k]), xytext=(-6, -9) if many else (5, 5),
                 ha="right" if many else "left", textcoords="offset points", fontsize=7,
                 color=colour,
             )  # fmt: skip
@@ -78,18 +79,21 @@ def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None
         axes.text(0.99, 0.01, f"grey band: the truth is known to {percent(unsure)}", fontsize=7,
                   ha="right", va="bottom", transform=axes.transAxes)  # fmt: skip
     axes.set(xscale="log", yscale="log")
-    axes.set_xlim(*np.exp(_with_room(np.log(axes.get_xlim()).tolist(), ends[True], ends[False])))
+    axes.set_xlim(*np.exp(_with_room(np.log(axes.get_xlim()).tolist(), names[True], names[False])))
     if unsure:
         axes.set_ylim(bottom=unsure / 3)
     axes.grid(alpha=0.25)
 
 
 def _with_room(
-    limits: Sequence[float], before: Sequence[float], after: Sequence[float]
+    limits: Sequence[float],
+    before: Sequence[tuple[float, str]],
+    after: Sequence[tuple[float, str]],
 ) -> tuple[float, float]:
-    """Return limits with `ROOM` left of all of `before`, and right of all of `after`."""
+    """Return limits with room for the names left of `before`, and right of `after`, (x, name)."""
     low, high = limits
     for _ in range(30):  # what is added widens the panel, by less each time
-        room = ROOM * (high - low)
-        low, high = min([low, *(x - room for x in before)]), max([high, *(x + room for x in after)])
+        letter = LETTER * (high - low)
+        low = min([low, *(x - letter * len(name) for x, name in before)])
+        high = max([high, *(x + letter * len(name) for x, name in after)])
     return low, high
