@@ -90,7 +90,7 @@ class Call:
             [replace(pose, z=pose.z + SHIFT * (self.first + k)) for _, pose in self.places]
             for k in range(self.number)
         ]
-        ask = model.frequencies if poses else model.modes
+        ask, said = model.frequencies if poses else model.modes, 0.0
         gc.collect()
         gc.disable()
         try:
@@ -101,21 +101,28 @@ class Call:
                         ask(mechanism, pose, self.count)
                         for (mechanism, _), pose in zip(self.places, at, strict=True)
                     ]
+                    for one in answers:
+                        if isinstance(one, Modes):
+                            said += one.build_seconds + one.solve_seconds
                 seconds = time.perf_counter() - began
         finally:
             gc.enable()
         each = self.number * len(self.places)
         phases = {name: spent / each for name, spent in record.seconds.items()}
-        return Spent(seconds / each, tuple(answers), phases)
+        return Spent(seconds / each, tuple(answers), phases, (seconds - said) / each)
 
 
 @dataclass(frozen=True)
 class Spent:
-    """What a call took at a place [s] and answered, and seconds by `reference_models.spent`."""
+    """What a call took at a place [s] and answered, and seconds by `reference_models.spent`.
+
+    `rest`: what of the seconds its answers do not say of their matrices and eigen-solutions.
+    """
 
     seconds: float
     answers: tuple[Any, ...]
     phases: Mapping[str, float]
+    rest: float
 
 
 @dataclass(frozen=True)
@@ -125,7 +132,8 @@ class Timed:
     Attributes: `seconds` a pose, by round; `builds`, `solves`: what its answers say of their
     matrices and eigen-solutions, by call, empty for frequencies alone; `answers`, one a place:
     modes, or frequencies of the first pose of a call; `phases`: a simulator's seconds by phase,
-    medians of all calls; `once`: those of its first call.
+    medians of all calls; `once`: those of its first call; `rests`, by round: seconds less what the
+    same calls' answers say.
     """
 
     way: Way
@@ -135,6 +143,12 @@ class Timed:
     answers: tuple[Modes | Array, ...]
     phases: Mapping[str, float] = field(default_factory=dict)
     once: Mapping[str, float] = field(default_factory=dict)
+    rests: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def rest(self) -> float | None:
+        """The median time beside matrices and eigen-solution [s]; None for frequencies alone."""
+        return float(np.median(self.rests)) if self.builds.size else None
 
     @property
     def build(self) -> float | None:
@@ -190,6 +204,8 @@ class _Running:
     solves: list[float] = field(default_factory=list)
     answers: tuple[Any, ...] = ()
     phases: list[Mapping[str, float]] = field(default_factory=list)
+    rest: float = 0.0
+    rests: dict[int, float] = field(default_factory=dict)
     calls: int = 0
 
     def call(self, bench: Bench, count: int, number: int = 1) -> Failure | None:
@@ -200,7 +216,7 @@ class _Running:
         if isinstance(found, Failure):
             return found
         assert isinstance(found, Spent)
-        self.seconds, self.answers = found.seconds, found.answers
+        self.seconds, self.rest, self.answers = found.seconds, found.rest, found.answers
         self.phases.append(found.phases)
         for answer in found.answers:
             if isinstance(answer, Modes):
@@ -212,10 +228,12 @@ class _Running:
         """Time the way in round `k`, unless it has been timed often enough."""
         one = self.seconds * len(self.places)
         if one > ENDLESS or (one > SLOW and k >= FEW):
-            self.samples.setdefault(k if not self.samples else min(self.samples), self.seconds)
+            k = min(self.samples, default=k)
+            self.samples.setdefault(k, self.seconds)
+            self.rests.setdefault(k, self.rest)
             return
         if not self.call(bench, count, max(1, int(SAMPLE / max(one, 1e-9)))):
-            self.samples[k] = self.seconds
+            self.samples[k], self.rests[k] = self.seconds, self.rest
 
     def timed(self) -> Timed:
         many = max(1, self.way.poses)
@@ -230,6 +248,7 @@ class _Running:
             answers,
             {k: float(np.median([p[k] for p in self.phases[1:]])) for k in self.phases[0]},
             self.phases[0],
+            np.array(list(self.rests.values())),
         )
 
 

@@ -125,23 +125,20 @@ class Cost(Result):
         return found | ({"-claims": self._claims_table(paper.cost)} if paper and paper.cost else {})
 
     def _elements_table(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
-        for t in self.elements:
-            known = t.build is not None and t.solve is not None
-            rest = t.median - (t.build or 0) - (t.solve or 0)
-            rows.append((
-                t.way.method, t.way.size, "-" if t.dofs is None else t.dofs,
-                Number(1e3 * t.median, 3), *_quartiles(1e3 * t.seconds),
-                *([_ms(t.build), _ms(t.solve), _ms(rest)] if known else ["-", "-", "-"]),
-                Number(float(np.median(self.ratios(t, YARDSTICK))), 2),
-            ))  # fmt: skip
+        rows: list[tuple[Cell, ...]] = [
+            (t.way.method, t.way.size, "-" if t.dofs is None else t.dofs,
+             Number(1e3 * t.median, 3), *_quartiles(1e3 * t.seconds),
+             _ms(t.build), _ms(t.solve), _ms(t.rest),
+             Number(float(np.median(self.ratios(t, YARDSTICK))), 2))
+            for t in self.elements
+        ]  # fmt: skip
         columns = ("Model", "s", "dofs", "median [ms]", "q1 [ms]", "q3 [ms]", "build [ms]",
                    "solve [ms]", "rest [ms]", "ratio")  # fmt: skip
         yard = float(np.median(self.timings.yardsticks[YARDSTICK]))
         notes = (
             f"ratio: to {YARDSTICK}, {1e3 * yard:.3f} ms here",
             "build: the matrices; solve: the eigen-solution; rest: shapes, and what the "
-            "interpreter adds",
+            "interpreter adds; a median each",
             *self._circumstances(),
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
         )

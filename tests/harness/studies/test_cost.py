@@ -40,6 +40,9 @@ def test_modes_say_what_they_took_to_build_and_to_solve(cost: Cost) -> None:
         alone = t.way.poses > 0  # frequencies say nothing of it
         assert (t.build is None) == (t.solve is None) == alone, t.way.method
         assert alone or (t.build or 0) > 0 < (t.solve or 0)
+        # What is left of a call is of that call: parts of other calls could be longer than it.
+        assert (t.rest is None) == alone
+        assert alone or ((t.rests > 0).all() and (t.rests < t.seconds).all()), t.way.method
 
 
 def test_coordinates_are_counted(cost: Cost) -> None:
