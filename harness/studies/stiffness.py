@@ -31,6 +31,9 @@ OPTIONS = (
     OPTION,
 )
 
+ROUNDING = 1e-10
+"""An entry below this part of its diagonals' mean is none: rounding, another on every machine."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -97,11 +100,10 @@ class Stiffnesses(Result):
         rows: list[tuple[Cell, ...]] = []
         for case, found in self.found.items():
             alone = 1 / np.diag(found.compliance)
-            least, direction, _ = found.softest()
-            turning, about, _ = found.softest(turns=True)
+            least, turning = found.softest()[0], found.softest(turns=True)[0]
             rows.append((
-                case.name, *_scaled(alone), Number(1e-6 * least, 3), _direction(direction),
-                Number(1e-3 * turning, 3), _direction(about),
+                case.name, *_scaled(alone), Number(1e-6 * least, 3), _softest(found),
+                Number(1e-3 * turning, 3), _softest(found, turns=True),
             ))  # fmt: skip
         heads = ("Case", *LOADS, "least", "along", "least turning", "about")
         notes = (
@@ -127,7 +129,7 @@ class Stiffnesses(Result):
         rows = tuple(
             (case.name, load, *(f"{value:.5g}" for value in row))
             for case, found in self.found.items()
-            for load, row in zip(LOADS, found.matrix.tolist(), strict=True)
+            for load, row in zip(LOADS, _without_rounding(found.matrix).tolist(), strict=True)
         )
         heads = ("Case", "", "x", "y", "z", "about x", "about y", "about z")
         notes = ("force [N] and moment [N m] at o for a unit displacement [m] and rotation [rad]",)
@@ -164,11 +166,11 @@ class Stiffnesses(Result):
         """Return where each case is softest, and which part to stiffen first."""
         lines = []
         for case, found in self.found.items():
-            least, direction, soft = found.softest()
+            least, _, soft = found.softest()
             sizes = {p.name: float(soft[list(p.which)].sum()) for p in self.parts[case]}
             first = max(sizes, key=lambda name: sizes[name])
             lines.append(
-                f"{case.name} is softest along {_direction(direction)} with {1e-6 * least:.4g} "
+                f"{case.name} is softest along {_softest(found)} with {1e-6 * least:.4g} "
                 f"N/um; {100 * sizes[first]:.0f} % of that is {first}: stiffen it first."
             )
         for one in self.maps:
@@ -184,6 +186,17 @@ class Stiffnesses(Result):
 def _scaled(values: Array) -> list[Number]:
     return [Number(float(v) * unit, 3) for v, unit in zip(values, [1e-6] * 3 + [1e-3] * 3,
                                                           strict=True)]  # fmt: skip
+
+
+def _softest(found: Stiffness, *, turns: bool = False) -> str:
+    """Return the softest direction in words, or which ones where several are equally soft."""
+    block = slice(3, 6) if turns else slice(0, 3)
+    values, vectors = np.linalg.eigh(found.compliance[block, block])
+    alike = int((values > (1 - ROUNDING) * values[-1]).sum())
+    if alike == 1:
+        return _direction(found.softest(turns=turns)[1])
+    across = vectors[:, 0] * np.sign(vectors[np.abs(vectors[:, 0]).argmax(), 0])
+    return f"any direction across {_direction(across)}" if alike == 2 else "any direction"
 
 
 def _direction(unit: Array) -> str:
@@ -273,3 +286,8 @@ def run(request: Request, bench: Bench) -> Stiffnesses:
 def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: every case."""
     return {"stiffness": plan.request()}
+
+
+def _without_rounding(matrix: Array) -> Array:
+    diagonal = np.sqrt(np.diag(matrix))
+    return np.where(np.abs(matrix) < ROUNDING * np.outer(diagonal, diagonal), 0.0, matrix)

@@ -105,3 +105,13 @@ def test_what_cannot_move_so_is_one_sentence(rps_bench: Callable[..., Any]) -> N
     answer = rps_bench("stiffness", *file, "--poses", "pose:x=60,y=110,z=640,tilt=3")
     assert answer.status == 2 and "universal joints in line" in answer.err
     assert len(answer.err.splitlines()) == 1
+
+
+def test_rounding_is_not_shown_as_stiffness() -> None:
+    """A level platform's forces along x and z are coupled by nothing."""
+    found = study("stiffness", cases="case1")
+    level = {row[1]: row[2:] for row in found.tables()["-matrix"].rows}
+    assert level["Fx"][1:4] == ("0", "0", "0") and float(str(level["Fx"][0])) > 1e8
+    assert float(str(level["Fx"][4])) == float(str(level["My"][0])) > 1e8
+    assert "case1 is softest along any direction across (0.00, 0.00, 1.00)" in found.sentences()[0]
+    assert "case2 is softest along (0.08, 1.00, 0.00)" in study("stiffness").sentences()[1]
