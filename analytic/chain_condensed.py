@@ -45,7 +45,7 @@ def condensed(
     certain, are solved one by one, by `Continuum`'s bisection or from the elements' matrices.
     """
     flat = poses.ravel()
-    few = FEW if elements is not None and elements <= LIGHT else min(FEW, FEWER)
+    few = FEW if elements is not None and elements <= LIGHT else FEWER
     made = _Tables(mechanism, flat, theory, elements, count) if len(flat) > few else None
     if made is None or len(flat) <= few * len(made.reach):
         return chain_models.frequencies(mechanism, poses, theory, elements, count)

@@ -63,7 +63,8 @@ def tables_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
         raise AssertionError("a pose was left to be solved alone")
 
-    monkeypatch.setattr(chain_condensed, "FEW", 3)
+    for name in ("FEW", "FEWER"):
+        monkeypatch.setattr(chain_condensed, name, 3)
     monkeypatch.setattr(chain_condensed.chain_models, "frequencies", refused)
 
 
@@ -184,7 +185,8 @@ def test_random_chains_agree_with_single_poses(
     size = float(np.hypot(*mechanism.limbs[0].base[:2]))
     poses = around(pose, 0.05 * size, 0.1, 6)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(chain_condensed, "FEW", 0)
+        for name in ("FEW", "FEWER"):
+            patch.setattr(chain_condensed, name, 0)
         try:
             found = condensed_frequencies(mechanism, poses, elements, beam=beam, count=8)
             alone = frequencies(mechanism, poses[:2], Theory(beam), elements, 8)

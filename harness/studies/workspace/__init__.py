@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BATCHED, OF_CHAINS, ONE_BY_ONE = (72, 15), (36, 8), (12, 4)
-"""Azimuths and tilts of models that take all poses at once, and of those that take one."""
+"""Azimuths and tilts of models that take all poses at once, of R-P-S limbs and of other chains, and
+of those that take one."""
 LAYERS, MOST_LAYERS = 6, 50
 MOST_POSES = 200_000
 
