@@ -1,5 +1,7 @@
 """What simulators share: how they say that they cannot run, or that an answer is not one."""
 
+import re
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,6 +10,16 @@ Array = NDArray[np.float64]
 
 class UnavailableError(RuntimeError):
     """A model that cannot run here, with the reason."""
+
+
+def unlinked(program: str, error: ImportError, remedy: str) -> UnavailableError:
+    """Return what to raise where `program` is installed and its import ends with `error`.
+
+    It says in one line which library of the system is missing, and then the `remedy`.
+    """
+    lacking = re.search(r"[^\s/]+\.so[.\d]*(?=: cannot open)", str(error))
+    why = f"{lacking[0]} is missing; {remedy}" if lacking else " ".join(str(error).split())
+    return UnavailableError(f"{program} cannot be imported: {why}")
 
 
 class ModelError(RuntimeError):

@@ -21,7 +21,7 @@ from analytic.pose import Pose
 from reference_models import placement
 from reference_models.placement import Placement, place
 from reference_models.projection import constrained_modes
-from reference_models.protocol import ModelError, UnavailableError
+from reference_models.protocol import ModelError, UnavailableError, unlinked
 from reference_models.spent import SIMULATOR, phase
 from reference_models.units import in_robot_units
 
@@ -89,7 +89,7 @@ def load() -> Any:
     except ImportError as error:
         # Its renderer is linked to OpenGL even where nothing is drawn.
         remedy = "install the system's OpenGL library (Debian: apt-get install libgl1)"
-        raise UnavailableError(f"exudyn cannot be imported ({error}); {remedy}") from None
+        raise unlinked("exudyn", error, remedy) from None
     return exudyn
 
 

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from analytic.modes import STATIONS
-from reference_models.protocol import ModelError, UnavailableError
+from reference_models.protocol import ModelError, UnavailableError, unlinked
 from reference_models.solid.rod import SLENDERNESS, SolidRod
 
 Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ def load() -> Any:
         raise UnavailableError(f"ngsolve is not installed; {INSTALL}") from None
     except ImportError as error:
         # Its BLAS is linked to a library of the compiler's that bare machines lack.
-        remedy = "install the system's libquadmath (Debian: apt-get install libquadmath0)"
-        raise UnavailableError(f"ngsolve cannot be imported ({error}); {remedy}") from None
+        remedy = "install libquadmath, which its BLAS needs (Debian: apt-get install libquadmath0)"
+        raise unlinked("ngsolve", error, remedy) from None
     return ngsolve
 
 

@@ -269,18 +269,23 @@ def test_without_exudyn(
 
 @pytest.mark.parametrize("name", MODELS)
 def test_without_opengl(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    """A bare machine has no libGL, and Exudyn is linked to it."""
-    missing = "libGL.so.1: cannot open shared object file: No such file or directory"
+    """A bare machine has no libGL, and Exudyn is linked to it; it says so in six lines."""
+    said = (
+        "Exudyn could not import its compiled module. Tried, in order:\n  .exudynCPP  ->  "
+        "libGL.so.1: cannot open shared object file: No such file or directory\n  exudynCPP  ->  "
+        "No module named 'exudynCPP'\nCheck that the wheel matches this Python, or reinstall."
+    )
 
     def unlinked(module: str, *arguments: Any) -> Any:
         if module == "exudyn":
-            raise ImportError(missing)
+            raise ImportError(said)
         return real(module, *arguments)
 
     real = builtins.__import__
     monkeypatch.setattr(builtins, "__import__", unlinked)
     info = MODELS[name].info()
-    assert missing in info.missing and "apt-get install libgl1" in info.missing
+    assert info.missing.startswith("exudyn cannot be imported: libGL.so.1 is missing; install")
+    assert "apt-get install libgl1" in info.missing and "exudynCPP" not in info.missing
 
 
 def test_a_failing_simulator_is_a_model_error(
