@@ -9,6 +9,7 @@ from reference_models.export import Export, about
 from reference_models.solid.calculix import CalculixSolid
 from reference_models.solid.calculix_deck import write
 from reference_models.solid.calculix_run import NAME
+from reference_models.solid.calculix_writer import ROOM
 
 TOP = (
     "Run `ccx rps`: the frequencies [Hz] are in rps.dat, columns CYCLES/TIME.",
@@ -37,6 +38,8 @@ def _commented(lines: list[str]) -> Iterator[str]:
         number = int("".join(c for c in name.partition("I")[0] if c.isdigit()) or 0) + 1
         if line.startswith("*ELEMENT,TYPE=C3D20R"):
             yield f"** --- limb {number}: 20-node bricks with reduced integration"
+        elif line.startswith("*ELEMENT,TYPE=SPRING1") and line.endswith(ROOM):
+            yield "** They have no stiffness: CalculiX makes room in its matrices for springs only."
         elif line.startswith("*ELEMENT,TYPE=SPRING1"):
             yield "** A joint's freedom that something resists: a spring on its coordinate"
         elif head == "*RIGID BODY," and name.endswith("BASE"):

@@ -16,6 +16,8 @@ Term = tuple[int, int, float]
 
 PER_LINE = 8
 """Numbers a data line; CalculiX reads 16."""
+ROOM = "ROOM"
+"""How the names end of springs without stiffness, which masses on rigid bodies need."""
 ROUNDING = 1e-12
 """Factors of an equation below this part of its largest are rounding."""
 
@@ -76,11 +78,17 @@ class Writer:
         return Frame(reference, rotation, at)
 
     def add_masses(self, name: str, body: Body | Platform, at: Array, axes: Array) -> Indices:
-        """Write six equal masses that together are a body in `axes` (3, 3); return their nodes."""
+        """Write six equal masses that together are a body in `axes` (3, 3); return their nodes.
+
+        CalculiX makes no room in its matrices for masses that a rigid body carries, and from 2.21
+        on ends there. It does for springs, so each mass has one of no stiffness.
+        """
         mass, places = point_masses(body)
         nodes = self.add_nodes(at + places @ axes.T)
         self.add_elements("MASS", name, nodes[:, None])
         self.lines += [f"*MASS,ELSET={name}", real(mass)]
+        self.add_elements("SPRING1", name + ROOM, nodes[:, None])
+        self.lines += [f"*SPRING,ELSET={name}{ROOM}", "1", real(0.0)]
         return nodes
 
     def add_equation(self, *terms: Term) -> None:

@@ -270,6 +270,16 @@ def test_six_points_have_the_platform_s_mass_and_inertia(robot: Mechanism, case2
     np.testing.assert_allclose(found, J, rtol=1e-10, atol=1e-12)
 
 
+def test_every_mass_has_room_in_the_matrices(robot: Mechanism, case2: Pose) -> None:
+    """CalculiX from 2.21 on ends where a rigid body has masses and no spring."""
+    lines = write(robot, case2, CalculixSolid(4)._mesh, "C3D20R", 1).text.splitlines()
+    masses = lines.index("*ELEMENT,TYPE=MASS,ELSET=MASSES") + 1
+    springs = lines.index("*ELEMENT,TYPE=SPRING1,ELSET=MASSESROOM") + 1
+    of = [[line.split(",")[1] for line in lines[k : k + 6]] for k in (masses, springs)]
+    assert of[0] == of[1]
+    assert float(lines[lines.index("*SPRING,ELSET=MASSESROOM") + 2]) == 0
+
+
 @pytest.mark.parametrize("elements", [0, 1, -1, 2.0, "3", True])
 def test_bad_elements(elements: Any) -> None:
     with pytest.raises(InputError, match="elements"):

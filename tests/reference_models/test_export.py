@@ -108,7 +108,7 @@ def test_the_bare_ccx_agrees_on_a_chain(tmp_path: Path) -> None:
     """3-PRS: three springs a slider, a body, a tube."""
     case = CASES["prs"]
     made = written(exporter("calculix")(case.mechanism, case.pose, 2, 6), tmp_path)
-    assert made.files["rps.inp"].count("*ELEMENT,TYPE=SPRING1") == 3 * 3
+    assert made.files["rps.inp"].count("*ELEMENT,TYPE=SPRING1,ELSET=L") == 3 * 3
     assert made.files["rps.inp"].count("A body of limb") == 3
     known = right(made.model, case.mechanism, case.pose)
     np.testing.assert_allclose(by_calculix(tmp_path), known, rtol=2e-6)
