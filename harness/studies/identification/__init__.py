@@ -21,8 +21,8 @@ def _bounds(text: str) -> dict[str, tuple[float, float]]:
             low, high = map(real("bounds", ""), span.partition("..")[::2])
         except InputError:
             low = high = 0.0  # refused below, with all of it named
-        if not low < high or not (name.endswith("_deg") or low > 0):
-            raise InputError("bounds", one, "NAME=LOW..HIGH, LOW below HIGH, lengths above 0")
+        if not low < high:
+            raise InputError("bounds", one, "NAME=LOW..HIGH, LOW below HIGH")
         found[name] = low, high
     return found
 
@@ -94,7 +94,7 @@ def run(request: Request, bench: Bench) -> "Identification":
         for model in dict.fromkeys((request.theory, *request.references))
         for inertia in INERTIAS
         for slip in frames
-        if inertia == "disc" or not slip  # one slip at most
+        if inertia == "disc" or (problems[0].regular and not slip)  # one slip at most
     ]
     tell, fits = bench.listener, []
     tell.expect(len(problems) + len(wholes))

@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from harness.studies.identification.parameters import PARAMETERS
+from harness.studies.identification.parameters import letter
 from harness.studies.identification.problem import Problem
 
 Floats = NDArray[np.float64]
 
 UNSEEN = 1e-6
 """A direction with this part of the largest singular value is one that no table can show."""
+PINNED = "d / L^2 [1/m]"
+"""Bending frequencies of a limb of length L and diameter d grow with it."""
 STEP = 3e-4
 """Of a central difference, over the distance between the bounds."""
 
@@ -30,7 +32,7 @@ class Direction:
     deviation: float
 
     def __str__(self) -> str:
-        shown = [(PARAMETERS[n].letter, e) for n, e in self.exponents.items() if abs(e) >= 0.1]
+        shown = [(letter(n), e) for n, e in self.exponents.items() if abs(e) >= 0.1]
         shown.sort(key=lambda pair: -round(abs(pair[1]), 4))  # equal ones stay in their order
         return " ".join(f"{letter}^{e:.2g}" if round(e, 2) != 1 else letter for letter, e in shown)
 
@@ -48,25 +50,32 @@ class Quantity:
     after: float
 
 
-def sensitivities(problem: Problem, values: Mapping[str, float]) -> tuple[Problem, Floats, Floats]:
-    """Return the problem of all parameters, its x at `values`, and weighted d ln f / d ln p there.
+def sensitivities(
+    problem: Problem, values: Mapping[str, float], names: Sequence[str] = ()
+) -> tuple[Problem, Floats, Floats]:
+    """Return the problem of `names`, its x at `values`, and weighted d ln f / d ln p there.
 
-    Shape (cases * modes, parameters). Without a tilted case the angles are left out, and always the
-    platform's density, which would only repeat its thickness.
+    Shape (cases * modes, parameters); of what may be zero, and is, d ln f / dp over its bounds. By
+    default of all parameters of the most tilted case that can move: but for the angles if none is
+    tilted, and a disc's density, which would only repeat its thickness.
     """
-    tilted = max(problem.base, key=lambda base: abs(base["tilt_deg"]))
-    lengths = [name for name, parameter in PARAMETERS.items() if not parameter.angle]
-    lengths.remove("platform_density_kg_m3")
-    names = (*lengths, *(("azimuth_deg", "tilt_deg") if tilted["tilt_deg"] else ()))
-    whole = replace(problem, names=names, bounds={})
-    own = np.array([{**tilted, **values}[name] for name in names])
+    k = int(np.argmax([abs(case.pose.tilt) for case in problem.table.cases]))
+    known, tilted = problem.known[k], problem.table.cases[k].pose.tilt
+    away = {"platform_density_kg_m3"} | (set() if tilted else {"azimuth_deg", "tilt_deg"})
+    able = (name for name in known if name not in away)
+    found = tuple(names) or tuple(sorted(able, key=lambda name: known[name].linear))
+    whole = replace(problem, names=found, bounds={})
+    own = np.array([values.get(n, kind.value) for n, kind in zip(found, whole.kinds, strict=True)])
     x, (low, high) = whole.to_x(own), whole.limits
     steps = STEP * (high - low)
     both = np.concatenate([x + np.diag(steps), x - np.diag(steps)])
-    residuals = whole.residuals(problem.table.logarithms[None])
-    up, down = np.split(residuals(both, np.zeros(len(both), dtype=np.intp)), 2)
-    scale = np.where(whole.angles, own, 1.0)
-    return whole, x, ((up - down) / (2 * steps[:, None])).T * scale
+    up, down = np.split(np.log(whole.frequencies(both)).reshape(len(both), -1), 2)
+    scale = np.where(whole.linear, np.where(own, own, (high - low) / 2), 1.0)
+    J = np.sqrt(problem.table.weights)[:, None] * ((up - down) / (2 * steps[:, None])).T * scale
+    kept = np.isfinite(J).all(axis=0)
+    if kept.all():
+        return whole, x, J
+    return sensitivities(problem, values, [n for n, can in zip(found, kept, strict=True) if can])
 
 
 def directions(names: Sequence[str], J: Floats, noise: float) -> list[Direction]:
@@ -90,21 +99,22 @@ def quantities(whole: Problem, x: Floats, J: Floats, noise: float) -> list[Quant
     """Return the named combinations, with young and density known and all else within bounds."""
     low, high = whole.limits
     own = whole.from_x(x)
-    scale = np.where(whole.angles, np.abs(own), 1.0)
-    prior = ((high - low) / np.sqrt(12) / scale) ** 2
+    prior = ((high - low) / np.sqrt(12) / np.where(whole.linear, np.abs(own), 1.0)) ** 2
     keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
     information = J[:, keep].T @ J[:, keep] / noise**2 + np.diag(1 / prior[keep])
     covariance = np.linalg.inv(information)
-    steps = 1e-5 * np.eye(len(x))[keep]
-    at, up, down = (
-        combinations(dict(zip(whole.names, (own * np.exp(step)).T, strict=True)))
-        for step in (np.zeros(len(x)), steps, -steps)
+    # Its value, and those a small step of the logarithm of each parameter up and down.
+    steps = 1e-5 * np.concatenate(
+        [np.zeros((1, len(x))), np.eye(len(x))[keep], -np.eye(len(x))[keep]]
     )
     found = []
-    for name, value in at.items():
-        slope = (np.log(np.abs(up[name])) - np.log(np.abs(down[name]))) / 2e-5
+    for name, values in combinations(
+        dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))
+    ).items():
+        up, down = np.split(np.log(np.abs(values[1:])), 2)
+        slope = (up - down) / 2e-5
         before, after = np.sqrt(slope**2 @ prior[keep]), np.sqrt(slope @ covariance @ slope)
-        found.append(Quantity(name, float(value), float(before), float(after)))
+        found.append(Quantity(name, float(values[0]), float(before), float(after)))
     return found
 
 
@@ -116,8 +126,13 @@ def combinations(p: Mapping[str, Any]) -> dict[str, Any]:
     r1, r2, R = (p[f"{name}_radius_mm"] / 1e3 for name in ("base", "platform", "disc"))
     z, h, d = (p[f"{name}_mm"] / 1e3 for name in ("z", "platform_thickness", "rod_diameter"))
     L = np.hypot(z, r1 - r2)
-    found = {
-        "d / L^2 [1/m]": d / L**2,
+    tilted = (
+        {"r2 sin(theta) / L": r2 * np.abs(np.sin(np.radians(p["tilt_deg"]))) / L}
+        if "tilt_deg" in p
+        else {}
+    )
+    return {
+        PINNED: d / L**2,
         "L [m]": L,
         "d / L": d / L,
         "r1 / L": r1 / L,
@@ -125,7 +140,4 @@ def combinations(p: Mapping[str, Any]) -> dict[str, Any]:
         "(r2 - r1) / L": (r2 - r1) / L,
         "Jz / (m r2^2)": 0.5 * (R / r2) ** 2,
         "m / (three limbs)": R**2 * h / (3 * d**2 / 4 * L),
-    }
-    if "tilt_deg" in p:
-        found["r2 sin(theta) / L"] = r2 * np.abs(np.sin(np.radians(p["tilt_deg"]))) / L
-    return found
+    } | tilted

@@ -101,6 +101,15 @@ class Fit(Reading):
     freedom: int
 
     @cached_property
+    def heights(self) -> list[float]:
+        """How far S rises to the ends of `alone` and of `together`."""
+        sums = np.array([self.sum])
+        return [
+            float(rise(LEVEL, k, sums=sums, freedom=self.freedom, noise=self.assumed)[0])
+            for k in (1, len(self.x))
+        ]
+
+    @cached_property
     def _slopes(self) -> tuple[Problem, Floats, Floats]:
         return sensitivities(self.problem, self.fitted)
 
@@ -109,6 +118,12 @@ class Fit(Reading):
         """The products of powers that the table tells apart at the fit, best known first."""
         whole, _, J = self._slopes
         return directions(whole.names, J, self.noise)
+
+    @cached_property
+    def left(self) -> list[Direction]:
+        """The products of powers of what is fitted alone, best known first."""
+        _, _, J = sensitivities(self.problem, self.fitted, self.problem.names)
+        return directions(self.problem.names, J, self.noise)
 
     @cached_property
     def quantities(self) -> list[Quantity]:

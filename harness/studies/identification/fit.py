@@ -1,4 +1,4 @@
-"""Least squares within bounds, hundreds of fits at once: minima, profiles and directions.
+"""Least squares within bounds, hundreds of fits at once: minima and profiles.
 
 A model that takes many designs a call makes one call of all fits' Jacobians cheaper than any fit
 alone. All functions take `residuals(points (M, P), owner (M,)) -> (M, m)`: rows of parameters, and
@@ -23,6 +23,8 @@ SAMPLE = 4
 """Points looked at for each start."""
 EARLY = 4
 """Steps after which only the better starts go on."""
+UNSEEN = 1e-12
+"""A smaller variance, for residuals of deviation 1, is none: S does not know the parameter."""
 CLOSE = 1e-3
 """Relative error of a profile's height at an end."""
 
@@ -166,13 +168,14 @@ def profile_ends(
     side = 2.0 * which - 1
     wall = np.where(side < 0, lower[j], upper[j])
     centre, target = best[fit, j], np.sqrt(height[fit])
-    deviation = np.sqrt(np.maximum(covariance[fit, j, j], 1e-30))
-    direction = covariance[fit, :, j] / deviation[:, None] ** 2
+    variance = covariance[fit, j, j]
+    unseen = variance < UNSEEN
+    direction = np.where(unseen, 0.0, covariance[fit, :, j].T / np.maximum(variance, UNSEEN)).T
     # How far from the centre; at a distance of zero sqrt(S - S_min) is zero too.
     reach = np.abs(wall - centre)
     near, near_u = np.zeros(len(fit)), np.zeros(len(fit))
     far, far_u = np.full(len(fit), np.inf), np.full(len(fit), np.inf)
-    distance = np.minimum(deviation * target, reach)
+    distance = np.where(unseen, reach, np.minimum(np.sqrt(variance) * target, reach))
     points = best[fit] + direction * (side * distance)[:, None]
     shut = reach <= 0
     left = np.flatnonzero(~shut)
@@ -193,26 +196,6 @@ def profile_ends(
             break
         distance[left] = _next(near, near_u, far, far_u, target, reach)[left]
     return (centre + side * distance).reshape(B, P, 2), shut.reshape(B, P, 2)
-
-
-def profiles(
-    residuals: Residuals, best: Floats, lower: Floats, upper: Floats, span: Floats, points: int
-) -> tuple[Floats, Floats]:
-    """Return `points` over `span` (P, 2) of each parameter, and S minimised over all others there.
-
-    Shape (P, points) each. Both sides go outwards from the minimum `best` (P,), step by step.
-    """
-    P, half = len(best), points // 2
-    at = np.linspace(np.stack([best, best], axis=1), span, half + 1, axis=2)
-    sums = np.empty_like(at)
-    j = np.repeat(np.arange(P), 2)
-    moving, owner = np.tile(best, (2 * P, 1)), np.zeros(2 * P, dtype=np.intp)
-    for k in range(half + 1):
-        moving[np.arange(2 * P), j] = at[:, :, k].ravel()
-        moving, S = minimise(residuals, moving, np.arange(P) != j[:, None], lower, upper, owner)
-        sums[:, :, k] = S.reshape(P, 2)
-    joined = [np.concatenate([x[:, 0, :0:-1], x[:, 1]], axis=1) for x in (at, sums)]
-    return joined[0], joined[1]
 
 
 def _next(

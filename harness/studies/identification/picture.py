@@ -1,20 +1,20 @@
 """The picture of an identification: profiles of the parameters, and what the fits leave."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from harness.figures import COLOURS, MARKERS
 from harness.studies.identification.estimate import Fit
-from harness.studies.identification.fit import profiles
+from harness.studies.identification.parameters import unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-POINTS = 25
-"""Points of a profile."""
+POINTS = 49
+"""Points of a profile as drawn."""
 LOWEST, STEP = 0.04, 0.06
 """Where the bars of the first fit are, and how far above them those of the next, of the height."""
 
@@ -31,7 +31,8 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     for k, one in enumerate(fits):
         _draw_profiles(above, one, COLOURS[k], LOWEST + k * STEP)
     for axes, name in zip(above, names, strict=True):
-        axes.set_xlabel(_with_unit(name), fontsize=9)
+        words = name.removesuffix(f"_{unit(name)}").replace("_", " ")
+        axes.set_xlabel(f"{words} [{unit(name).replace('_', '/')}]", fontsize=9)
         axes.grid(alpha=0.25)
         axes.tick_params(labelsize=8)
         axes.set_ylim(-0.2 * axes.get_ylim()[1], None)
@@ -61,29 +62,25 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     return figure
 
 
-def _with_unit(name: str) -> str:
-    """Return "platform radius [mm]" for "platform_radius_mm", "density [kg/m3]" for its like."""
-    words = name.split("_")
-    unit = -2 if words[-1] == "m3" else -1
-    return f"{' '.join(words[:unit])} [{'/'.join(words[unit:])}]"
-
-
 def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str, low_down: float) -> None:
     """Draw the profiles, and below them the intervals as bars, `low_down` of the panel's height."""
-    problem, (low, high) = one.problem, one.problem.limits
-    best, ends = one.x[:, None], problem.to_x(one.together.T).T
-    span = np.clip(best + 1.3 * (ends - best), low[:, None], high[:, None])
-    residuals = problem.residuals(problem.table.logarithms[None])
-    at, sums = profiles(residuals, one.x, low, high, span, POINTS)
-    height = (sums - one.sum) / one.noise**2
-    for k, (axes, values) in enumerate(zip(above, problem.from_x(at.T).T, strict=True)):
-        axes.plot(values, height[k], color=colour, lw=1.4)
+    # S is all but a parabola, so its root is drawn straight between the ends that were computed.
+    columns = (one.together[:, 0], one.alone[:, 0], one.values, one.alone[:, 1], one.together[:, 1])
+    ends = np.stack(columns)
+    roots = np.sqrt([one.heights[k] for k in (1, 0, 0, 0, 1)]) / one.noise * [-1, -1, 0, 1, 1]
+    x, (low, high) = one.problem.to_x(ends), one.problem.limits
+    for k, axes in enumerate(above):
+        inside = (x[:, k] > low[k]) & (x[:, k] < high[k])
+        root = np.linspace(min(roots[inside], default=0), max(roots[inside], default=0), POINTS)
+        if inside.any():
+            values = np.interp(root, roots[inside], ends[inside, k])
+            axes.plot(values, root**2, color=colour, lw=1.4)
         axes.plot(one.values[k], 0, "o", color=colour, ms=4, clip_on=False)
+        place = axes.get_xaxis_transform()
+        bar: dict[str, Any] = {"color": colour, "scaley": False, "transform": place}
         for interval, width in ((one.alone, 4.5), (one.together, 1.2)):
-            axes.plot(interval[k], [low_down] * 2, color=colour, lw=width, scaley=False,
-                      solid_capstyle="butt", transform=axes.get_xaxis_transform())  # fmt: skip
-        for value, opened, mark in zip(one.together[k], one.open[k], "<>", strict=True):
-            if opened:
-                axes.plot(value, low_down, mark, color=colour, ms=4, scaley=False,
-                          transform=axes.get_xaxis_transform())  # fmt: skip
-        axes.axvline(problem.given[k], color="0.5", lw=0.8)
+            axes.plot(interval[k], [low_down] * 2, lw=width, solid_capstyle="butt", **bar)
+        for value, shut, mark in zip(one.together[k], one.open[k], "<>", strict=True):
+            if shut:
+                axes.plot(value, low_down, mark, ms=4, **bar)
+        axes.axvline(one.problem.given[k], color="0.5", lw=0.8)

@@ -8,23 +8,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError
-from analytic.designs import design_frequencies
+from analytic import InputError, NotCertifiedError
+from analytic.designs import Designs, design_frequencies
 from harness.bench import label
 from harness.studies.identification.fit import Residuals
 from harness.studies.identification.parameters import (
+    ANGLES,
+    FOLLOWS,
     INERTIAS,
-    PARAMETERS,
-    POSE,
+    UNITS,
     Parameter,
-    designs,
+    body,
+    described,
     heading,
-    starting_values,
+    parameters,
+    regular,
+    unit,
 )
 from harness.studies.identification.table import FrequencyTable
 from reference_models import Named
 
 Floats = NDArray[np.float64]
+POSE = (*ANGLES, "z_mm", "x_mm", "y_mm")
+FAR = 10.0
+"""What a residual is, of ln f, where no such mechanism can be."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +40,9 @@ class Problem:
 
     A name may be prefixed by a case, as in case2.z_mm; else all cases share the parameter, azimuth
     and tilt those cases that are tilted. `model` is a theory with its elements, `inertia` "disc"
-    or "printed" (Eq. 8), `mirrored` as in `Designs`; `bounds` override the default ones, in the
-    units of the names; `argument` is named where a name is refused. Parameters are handled as x:
-    the logarithm of the value, or an angle itself.
+    or "printed" (Eq. 8), `mirrored` as in `Designs`: both only of limbs that are `regular`;
+    `bounds` override the default ones, in the units of the names; `argument` is named where a name
+    is refused. Parameters are handled as x: the logarithm of the value, or what is `linear` itself.
     """
 
     table: FrequencyTable
@@ -53,9 +60,14 @@ class Problem:
             raise InputError("model", self.model.label, expected)
         if any(case.mechanism != cases[0].mechanism for case in cases):
             raise InputError("table", [c.name for c in cases], "cases of one mechanism")
-        for name, x, low, high in zip(self.names, self.start, *self.limits, strict=True):
-            if not low - 1e-12 <= x <= high + 1e-12 and name not in self.bounds:
-                raise InputError(self.argument, name, "a starting value within default bounds")
+        for name, given, usual in (
+            ("frames", "mirrored" if self.mirrored else "stated", "stated"),
+            ("inertia", self.inertia, "disc"),
+        ):
+            if given != usual and not self.regular:
+                only = "known of three equal R-P-S limbs and a disc alone"
+                raise InputError(name, given, f"{usual}: any other is {only}")
+        assert len(self.limits) == 2, "names and bounds are refused here"
 
     @property
     def theory(self) -> str:
@@ -78,58 +90,72 @@ class Problem:
         """Whether no parameter belongs to one case alone."""
         return not any("." in name for name in self.names)
 
+    @property
+    def named(self) -> bool:
+        """Whether combinations of its parameters have names."""
+        return self.whole and self.regular
+
     @cached_property
+    def regular(self) -> bool:
+        """Whether the mechanism is one of `Designs`, of which many are solved a call."""
+        return all(c.pose.x is None and regular(c.mechanism) for c in self.table.cases)
+
+    @cached_property
+    def known(self) -> list[dict[str, Parameter]]:
+        """The parameters of each case by name."""
+        return [parameters(case) for case in self.table.cases]
+
+    @property
     def base(self) -> list[dict[str, float]]:
         """What each case starts from, in the units of the names."""
-        return [starting_values(case) for case in self.table.cases]
-
-    @cached_property
-    def kinds(self) -> list[Parameter]:
-        """What each of the names is."""
-        return [PARAMETERS[name.rpartition(".")[2]] for name in self.names]
-
-    @cached_property
-    def angles(self) -> NDArray[np.bool_]:
-        """Which of the names are angles, (P,)."""
-        return np.array([kind.angle for kind in self.kinds], dtype=bool)
+        return [{name: p.value for name, p in known.items()} for known in self.known]
 
     @cached_property
     def owners(self) -> list[dict[str, str]]:
         """By which of the names each case knows the parameters that are fitted."""
-        cases = self.table.cases
-        known = [case.name for case in cases]
+        cases = [case.name for case in self.table.cases]
         found: list[dict[str, str]] = [{} for _ in cases]
         for name in sorted(self.names, key=lambda name: "." not in name):  # own ones first
             case, dot, own = name.rpartition(".")
-            if own not in PARAMETERS or (dot and (own not in POSE or case not in known)):
-                poses = ", ".join(f"{known[-1]}.{p}" for p in POSE)
-                expected = f"one of {', '.join(PARAMETERS)}, or of one case as {poses}"
+            if own not in self.known[0] or (dot and (own not in POSE or case not in cases)):
+                poses = ", ".join(f"{cases[-1]}.{p}" for p in self.known[0] if p in POSE)
+                expected = f"one of {', '.join(self.known[0])}, or of one case as {poses}"
                 raise InputError(self.argument, name, expected)
-            for one, names in zip(cases, found, strict=True):
-                level = PARAMETERS[own].angle and one.pose.tilt == 0
+            for one, names in zip(self.table.cases, found, strict=True):
+                level = own in ("azimuth_deg", "tilt_deg") and one.pose.tilt == 0
                 if one.name == case or not (dot or level):
                     names.setdefault(own, name)
             if not any(name in names.values() for names in found):
                 raise InputError(self.argument, name, "a case that this parameter is left for")
         return found
 
+    @cached_property
+    def kinds(self) -> list[Parameter]:
+        """What each of the names is, in the first case that has it."""
+        at = {
+            name: known[own]
+            for names, known in zip(self.owners[::-1], self.known[::-1], strict=True)
+            for own, name in names.items()
+        }
+        return [at[name] for name in self.names]
+
+    @cached_property
+    def linear(self) -> NDArray[np.bool_]:
+        """Which of the names are fitted themselves, (P,)."""
+        return np.array([kind.linear for kind in self.kinds], dtype=bool)
+
+    @property
+    def given(self) -> Floats:
+        """The values of the cases as they are, (P,)."""
+        return np.array([kind.value for kind in self.kinds])
+
     def to_x(self, values: Floats) -> Floats:
         """Return x of values (..., P) in the units of the names."""
-        return np.where(self.angles, values, np.log(np.where(self.angles, 1.0, values)))
+        return np.where(self.linear, values, np.log(np.where(self.linear, 1.0, values)))
 
     def from_x(self, x: Floats) -> Floats:
         """Return values (..., P), in the units of the names, of x."""
-        return np.where(self.angles, x, np.exp(np.where(self.angles, 0.0, x)))
-
-    @cached_property
-    def given(self) -> Floats:
-        """The values of the cases as they are, (P,)."""
-        at = {
-            name: base[own]
-            for names, base in zip(self.owners[::-1], self.base[::-1], strict=True)
-            for own, name in names.items()
-        }
-        return np.array([at[name] for name in self.names])
+        return np.where(self.linear, x, np.exp(np.where(self.linear, 0.0, x)))
 
     @property
     def start(self) -> Floats:
@@ -139,11 +165,12 @@ class Problem:
     @cached_property
     def limits(self) -> tuple[Floats, Floats]:
         """Lower and upper bounds of x, (P,) each."""
-        pairs = np.array([(kind.low, kind.high) for kind in self.kinds]).reshape(-1, 2)
-        pairs[~self.angles] *= self.given[~self.angles, None]
-        for name, pair in zip(self.names, pairs, strict=True):
-            pair[:] = self.bounds.get(name, pair)
-        low, high = self.to_x(pairs.T)
+        pairs = []
+        for name, kind in zip(self.names, self.kinds, strict=True):
+            pairs.append(self.bounds.get(name, (kind.low, kind.high)))
+            if pairs[-1][0] <= 0 and not kind.linear:
+                raise InputError("bounds", f"{name}={pairs[-1][0]:g}..", "bounds above 0")
+        low, high = self.to_x(np.reshape(pairs, (-1, 2)).T)
         return low, high
 
     def at(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -152,22 +179,45 @@ class Problem:
         for base, names in zip(self.base, self.owners, strict=True):
             given = {own: values[name] for own, name in names.items()}
             own = {**base, **given}
-            # The disc ends where the joints are and is made of what the rods are made of.
-            own["disc_radius_mm"] = given.get("disc_radius_mm", own["platform_radius_mm"])
-            own["platform_density_kg_m3"] = given.get(
-                "platform_density_kg_m3", own["density_kg_m3"]
-            )
+            for name, leader in FOLLOWS.items():
+                both = name in base and leader in base and name not in given
+                if both and np.isclose(base[name], base[leader], rtol=1e-9):
+                    own[name] = own[leader]
             found.append(own)
         return found
 
-    def frequencies(self, x: Floats) -> Floats:
-        """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes)."""
+    def frequencies(self, x: Floats, *, strict: bool = False) -> Floats:
+        """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes).
+
+        NaN where there can be no such mechanism; if `strict`, the reason is raised.
+        """
         own = self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))
-        rows, (cases, modes) = len(x), self.table.frequencies.shape
-        columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in own]) for n in PARAMETERS}
+        if self.regular:
+            return self._of_designs(own, len(x))
+        found = np.full((len(x), *self.table.frequencies.shape), np.nan)
+        for c, (case, values) in enumerate(zip(self.table.cases, own, strict=True)):
+            for m in range(len(x)):
+                one = {n: float(v[m] if np.ndim(v) else v) for n, v in values.items()}
+                try:
+                    there = described(case, one)
+                    found[m, c] = self.model.frequencies(*there, found.shape[2])
+                except (InputError, NotCertifiedError, np.linalg.LinAlgError, ArithmeticError):
+                    if strict:
+                        raise
+        return found
+
+    def _of_designs(self, own: list[dict[str, Any]], rows: int) -> Floats:
+        cases, modes = self.table.frequencies.shape
+        columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in own]) for n in self.known[0]}
+        si = {name: value * UNITS[unit(name)] for name, value in columns.items()}
         mechanism = self.table.cases[0].mechanism
+        designs = Designs(
+            si["z_mm"], si["azimuth_deg"], si["tilt_deg"], si["base_radius_mm"],
+            si["platform_radius_mm"], si["rod_diameter_mm"], si["young_GPa"], si["density_kg_m3"],
+            *body(columns, self.inertia), self.mirrored,
+        )  # fmt: skip
         f = design_frequencies(
-            designs(columns, self.inertia, self.mirrored),
+            designs,
             self.model.elements if isinstance(self.model.elements, int) else None,
             beam=self.model.name,
             shear=dict(self.model.settings).get("shear", "cowper"),
@@ -183,10 +233,12 @@ class Problem:
         The fit's `owner` says which row of `observed` it is for; a single row serves all.
         """
         root = np.sqrt(self.table.weights)
+        if not self.regular:
+            self.frequencies(self.start[None], strict=True)
 
         def residuals(x: Floats, owner: NDArray[np.intp]) -> Floats:
             own = observed if len(observed) == 1 else observed[owner]
             logs = np.log(self.frequencies(x)).reshape(len(x), len(root))
-            return np.asarray((logs - own) * root)
+            return np.asarray(np.nan_to_num(logs - own, nan=FAR) * root)
 
         return residuals

@@ -13,7 +13,7 @@ from harness.case import Case
 from harness.compare import cell, cells
 from harness.result import Result
 from harness.rows import mode_rows, settings
-from harness.studies.identification.directions import combinations
+from harness.studies.identification.directions import PINNED, combinations
 from harness.studies.identification.estimate import LEVEL, Fit, Reading
 from harness.studies.identification.parameters import described
 from harness.tables import Cell, Number, Table
@@ -32,12 +32,11 @@ MIRRORED = (
 )
 ENDS = ("alone_from", "alone_to", "together_from", "together_to")
 """Columns of the ends of 95 % intervals."""
-VERDICTS = {0.05: "pins it down", 0.5: "knows it loosely", np.inf: "leaves it open"}
+LOOSE = 0.5
+VERDICTS = {0.05: "pins it down", LOOSE: "knows it loosely", np.inf: "leaves it open"}
 """What is said of a deviation below each of these."""
 IDENTIFIED = "identified"
 """The case in a row: a fitted mechanism is not that of the table's case, which is in `settings`."""
-PINNED = "d / L^2 [1/m]"
-"""Bending frequencies of a limb of length L and diameter d grow with it."""
 BASE, PLATFORM = "base_radius_mm", "platform_radius_mm"
 
 
@@ -80,10 +79,9 @@ class Identification(Result):
         found = {"": readings_table(self.readings)} if self.readings else {}
         found["-parameters"] = parameters_table(self.fits)
         found["-residuals"] = residuals_table(self.fits)
-        if self.fits[-1].problem.whole:
-            found["-directions"] = directions_table(self.fits[-1])
-            found["-quantities"] = quantities_table(self.fits[-1])
-        return found
+        one = self.fits[-1]
+        found |= {"-directions": directions_table(one)} if one.problem.whole else {}
+        return found | ({"-quantities": quantities_table(one)} if one.problem.named else {})
 
     def figures(self) -> dict[str, "Figure"]:
         """Return the profiles of every parameter, and below them what the fits leave."""
@@ -94,7 +92,7 @@ class Identification(Result):
     def sentences(self) -> list[str]:
         """Return what the fits and readings say; nothing of what was not asked for."""
         fits, ranked = self.fits, self.readings
-        lines = _pinned(fits[-1]) if fits[-1].problem.whole else []
+        lines = _pinned(fits[-1]) if fits[-1].problem.named else _known(fits[-1])
         if ranked:
             most = max(len(reading.x) for reading in ranked)
             lines.append(
@@ -226,8 +224,12 @@ def directions_table(one: Fit) -> Table:
     notes = (
         f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
         "left out; theta and phi: tilt and azimuth themselves",
-        "infinite: frequencies do not change at all along these, whatever the table; they tell "
-        "neither scale nor E and rho raised alike",
+        "infinite: frequencies do not change at all along these"
+        + (
+            ", whatever the table; they tell neither scale nor E and rho raised alike"
+            if one.problem.named
+            else ""
+        ),
     )
     columns = ("Product of powers", "1 sigma [%]", "The table")
     return Table("What the table pins down, and what not", columns, rows, notes)
@@ -263,6 +265,23 @@ def _pinned(one: Fit) -> list[str]:
         f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
         f"{high:.4f} at {100 * LEVEL:.0f} %, E and rho as given); the given parameters make it "
         f"{given} 1/m."
+    ]
+
+
+def _known(one: Fit) -> list[str]:
+    """Return every parameter with its interval, and what is left open."""
+    found, ends = one.problem, one.alone
+    words = [
+        f"{name} is {value:.4g} ({ends[k, 0]:.4g} to {ends[k, 1]:.4g} at {100 * LEVEL:.0f} %; "
+        f"{found.given[k]:.4g} given)"
+        for k, (name, value) in enumerate(one.fitted.items())
+        if not one.open[k].all()
+    ]
+    lines = [f"By {found.table.source}, {', '.join(words)}."] if words else []
+    loose = [str(d) for d in one.left if d.deviation >= LOOSE]
+    return lines + [
+        f"The table leaves {direction} open: along it the fitted frequencies change too little."
+        for direction in loose
     ]
 
 
@@ -331,7 +350,7 @@ def _rows(one: Reading, bench: Bench) -> list[dict[str, Any]]:
     count = table.frequencies.shape[1]
     found = []
     for case, own in zip(table.cases, one.problem.at(fitted), strict=True):
-        mechanism, pose = described(own, inertia, case.mechanism)
+        mechanism, pose = described(case, own, inertia)
         how = settings(model, count + SPARE, table=table.source, case=case.name, fitted=fitted)
         modes = bench.solve(model, mechanism, pose, count + SPARE)
         if not isinstance(modes, Failure):

@@ -3,7 +3,7 @@
 import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from harness.case import Case
 from harness.cases import PRESETS
 
 Floats = NDArray[np.float64]
+COLUMNS = "rows under the columns case, f1, f2, ..."
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,11 @@ def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> Frequen
     `method` chooses rows where a case has several; cases are this bench's own or of `cases`.
     Raises `InputError` naming what is wrong.
     """
-    columns, rows = _read(path)
+    columns, *lines = _lines(path)
+    rows = [dict(zip(columns, line, strict=True)) for line in lines]
     modes = [f"f{i}" for i in range(1, len(columns) + 1) if f"f{i}" in columns]
-    if "case" not in columns or modes != [f"f{i}" for i in range(1, len(modes) + 1)] or not modes:
-        raise InputError("table", str(path), "rows under the columns case, f1, f2, ...")
+    if "case" not in columns or not modes or modes[-1] != f"f{len(modes)}":
+        raise InputError("table", str(path), COLUMNS)
     if method is not None:
         known = list(dict.fromkeys(row.get("method", "") for row in rows))
         if method not in known:
@@ -104,45 +106,45 @@ def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> Frequen
             raise InputError("table", name, f"one of the cases {', '.join(by_name)}")
     if len(set(names)) < len(names):
         raise InputError("table", str(path), "one row a case; choose with --method")
-    f = np.array([[_frequency(row, mode, path) for mode in modes] for row in rows])
+    values = [[_frequency(row, mode, path) for mode in modes] for row in rows]
+    f = np.array(values, dtype=float)
     if (np.diff(f, axis=1) < 0).any():
         raise InputError("table", str(path), "frequencies that ascend from f1")
     # One unit of the last digit, by the text: 0.1 of "115.0", 10 of "1.1e2".
-    digits = [[Decimal(row[mode]).as_tuple().exponent for mode in modes] for row in rows]
+    step = np.array([[10.0 ** int(one.as_tuple().exponent) for one in row] for row in values])
     source = str(path) if method is None else f"{path}, {method}"
-    step = 10.0 ** np.array(digits, dtype=float)
     return FrequencyTable(source, tuple(by_name[name] for name in names), f, step)
 
 
-def _read(path: Path) -> tuple[list[str], list[dict[str, str]]]:
-    """Return the columns of a CSV file and its rows, each with one value a column."""
+def _lines(path: Path) -> list[list[str]]:
+    """Return the lines of a CSV file, each with one value a column."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in csv.reader(file, strict=True) if line]
+            rows = [[cell.strip() for cell in line] for line in csv.reader(file, strict=True)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         expected = f"'published' or a readable CSV ({reason})"
         raise InputError("table", str(path), expected) from None
-    if len(lines) < 2:
-        raise InputError("table", str(path), "rows under the columns case, f1, f2, ...")
-    columns, *rows = ([cell.strip() for cell in line] for line in lines)
-    for name in columns:
-        if columns.count(name) > 1:
-            expected = f"one column {name!r}, not {columns.count(name)}"
+    rows = [row for row in rows if row]
+    if len(rows) < 2:
+        raise InputError("table", str(path), COLUMNS)
+    for name in rows[0]:
+        if rows[0].count(name) > 1:
+            expected = f"one column {name!r}, not {rows[0].count(name)}"
             raise InputError("table", str(path), expected)
     for row in rows:
-        if len(row) != len(columns):
-            expected = f"{len(columns)} values a row, as many as columns, not {len(row)}"
+        if len(row) != len(rows[0]):
+            expected = f"{len(rows[0])} values a row, as many as columns, not {len(row)}"
             raise InputError("table", ",".join(row), expected)
-    return columns, [dict(zip(columns, row, strict=True)) for row in rows]
+    return rows
 
 
-def _frequency(row: dict[str, str], mode: str, path: Path) -> float:
+def _frequency(row: dict[str, str], mode: str, path: Path) -> Decimal:
     try:
-        value = float(row[mode])
-    except ValueError:
-        value = np.nan
-    if not (np.isfinite(value) and value > 0):
+        value = Decimal(row[mode])
+    except InvalidOperation:
+        value = Decimal(0)
+    if not (value.is_finite() and value > 0):
         where = f"{mode} of {row['case']} in {path}"
         raise InputError(where, row[mode], "a positive number of hertz")
     return value

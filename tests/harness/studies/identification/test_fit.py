@@ -8,7 +8,6 @@ from scipy.stats import chi2, f
 from harness.studies.identification.fit import (
     minimise,
     profile_ends,
-    profiles,
     rise,
     search,
 )
@@ -131,16 +130,3 @@ def test_ends_at_a_bound_are_open_and_curved_profiles_are_followed():
     )
     assert opened.all()
     np.testing.assert_allclose(ends[:, :, 1], np.broadcast_to(narrow_high, (6, 3)))
-
-
-def test_profiles_touch_the_minimum_and_rise_to_the_ends():
-    truth, observed = data(1, seed=4)
-    free = np.ones((1, 3), bool)
-    best, sums = minimise(residuals(observed), truth, free, LOW, HIGH)
-    height = rise(0.95, 1, sums=sums, freedom=6, noise=0.05)
-    ends, _ = profile_ends(residuals(observed), best, sums, LOW, HIGH, height)
-    at, drawn = profiles(residuals(observed), best[0], LOW, HIGH, ends[0], 9)
-    np.testing.assert_allclose(at[:, 4], best[0])
-    np.testing.assert_allclose(drawn[:, 4], sums[0], rtol=1e-6)
-    np.testing.assert_allclose(drawn[:, [0, -1]] - sums[0], height[0], rtol=5e-3)
-    assert (np.diff(drawn[:, 4:], axis=1) > 0).all()

@@ -15,7 +15,7 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.studies import identification
-from harness.studies.identification.parameters import INERTIAS, PARAMETERS, described
+from harness.studies.identification.parameters import INERTIAS, described, parameters
 from harness.studies.identification.problem import Problem
 from harness.studies.identification.table import FrequencyTable, published_table, read_table
 from harness.text import plan, request
@@ -81,7 +81,7 @@ def test_a_fitted_mechanism_has_the_frequencies_of_the_fit(inertia):
     base = TABLE
     turned = tuple(replace(c, mechanism=Mechanism.paper(heading=0.4)) for c in base.cases)
     table = replace(base, cases=turned)
-    names = [name for name in PARAMETERS if name != "z_mm"]
+    names = [name for name in parameters(turned[1]) if name != "z_mm"]
     problem = Problem(table, MODEL, (*names, "case1.z_mm", "case2.z_mm"), inertia)
     x = problem.start + np.linspace(-0.1, 0.1, len(problem.names))
     values = dict(zip(problem.names, problem.from_x(x).tolist(), strict=True))
@@ -89,7 +89,7 @@ def test_a_fitted_mechanism_has_the_frequencies_of_the_fit(inertia):
     given = problem.frequencies(problem.start[None])[0]
     assert (np.abs(expected / given - 1) > 1e-3).all()
     for case, own, f in zip(table.cases, problem.at(values), expected, strict=True):
-        mechanism, pose = described(own, inertia, case.mechanism)
+        mechanism, pose = described(case, own, inertia)
         np.testing.assert_allclose(MODEL.modes(mechanism, pose).frequencies, f, rtol=1e-8)
         assert mechanism.platform.form == INERTIAS[inertia]
 
