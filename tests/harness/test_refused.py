@@ -50,14 +50,18 @@ def test_only_a_model_that_was_named_must_answer(
     )
 
 
-def test_what_chains_have_no_names_or_statements_for(
+def test_what_chains_have_no_frames_or_statements_for(
     rps_bench: Callable[..., Any], tmp_path: Path
 ) -> None:
-    """Parameters to identify are those of R-P-S limbs; statements are a paper's."""
+    """Where mirrored limbs lean is known of R-P-S limbs alone; statements are a paper's."""
     table = tmp_path / "table.csv"
     table.write_text("case,f1,f2,f3\nprs,27,30,51\n")
     for command, given, says in (
-        ("identify", ("--table", str(table)), "of P-body-R-rod-S limbs': expected a mechanism of"),
+        (
+            "identify",
+            ("--table", str(table), "--parameters", "z_mm", "--frames", "mirrored"),
+            "frames = 'mirrored': expected stated: any other is known of three equal R-P-S limbs",
+        ),
         ("claims", (), "expected the folder of a paper with claims.toml"),
     ):
         answer = rps_bench(command, "--case-file", str(CHAINS), *given)

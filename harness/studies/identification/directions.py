@@ -65,7 +65,8 @@ def sensitivities(
     able = (name for name in known if name not in away)
     found = tuple(names) or tuple(sorted(able, key=lambda name: known[name].linear))
     whole = replace(problem, names=found, bounds={})
-    own = np.array([values.get(n, kind.value) for n, kind in zip(found, whole.kinds, strict=True)])
+    values = dict(zip(problem.names, problem.given, strict=True)) | dict(values)
+    own = np.array([(problem.at(values)[k] | values)[name] for name in found])
     x, (low, high) = whole.to_x(own), whole.limits
     steps = STEP * (high - low)
     both = np.concatenate([x + np.diag(steps), x - np.diag(steps)])

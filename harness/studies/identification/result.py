@@ -272,8 +272,8 @@ def _known(one: Fit) -> list[str]:
     """Return every parameter with its interval, and what is left open."""
     found, ends = one.problem, one.alone
     words = [
-        f"{name} is {value:.4g} ({ends[k, 0]:.4g} to {ends[k, 1]:.4g} at {100 * LEVEL:.0f} %; "
-        f"{found.given[k]:.4g} given)"
+        f"{name} is {_number(value)} ({_number(ends[k, 0])} to {_number(ends[k, 1])} at "
+        f"{100 * LEVEL:.0f} %; {_number(found.given[k])} given)"
         for k, (name, value) in enumerate(one.fitted.items())
         if not one.open[k].all()
     ]
