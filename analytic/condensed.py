@@ -150,18 +150,48 @@ def condensed_frequencies(
         alone = single.lowest(known, limbs, elements, count, torsion=torsion)
         if alone is not None:
             return np.sqrt(alone) / (2 * np.pi)
-    result = np.empty((size, count))
-    for first in range(0, size, CHUNK):
-        some = poses
-        if size > CHUNK:
-            rows = slice(first, first + CHUNK)
-            some = poses.ravel()[rows]
-        lengths, vectors = geometry(known, mechanism, some)
-        result[first : first + CHUNK] = lowest(
-            known, lengths, vectors, elements, count, loop, torsion=torsion
-        )
+    if size <= CHUNK:
+        problem = geometry(known, mechanism, poses)
+        result = lowest(known, *problem, elements, count, loop, torsion=torsion)
+    else:
+        result = _in_chunks(known, mechanism, poses.ravel(), elements, count, loop, torsion)
     result.sort(axis=1)  # of repeated modes, the order is rounding's
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
+
+
+def _in_chunks(
+    known: Constants,
+    mechanism: Mechanism,
+    poses: Pose,
+    elements: int | None,
+    count: int,
+    loop: Loop | None,
+    torsion: bool,
+) -> Floats:
+    """Return the lowest omega^2 (N, count) of poses in a row, chunk by chunk.
+
+    The few that one step of each chunk leaves open are put together and solved at the end: in
+    steps of numpy, a few poses of every chunk would cost as much as all of the chunk.
+    """
+    N, n = len(poses), len(mechanism.limbs)
+    coupled = _coupled(count, elements, n)
+    result, lengths = np.empty((N, count)), np.empty((N, n))
+    left = [np.arange(0)]
+    for first in range(0, N, CHUNK):
+        rows = slice(first, first + CHUNK)
+        lengths[rows], vectors = geometry(known, mechanism, poses[rows])
+        values, unsure = tabulated(
+            known, lengths[rows], vectors, elements, coupled, loop, levels=1, quick=True
+        )
+        left.append(first + unsure)
+        values[unsure] = 0.0
+        result[rows] = _twisted(known, lengths[rows], values, elements, count, torsion)
+    again = np.concatenate(left)
+    for first in range(0, len(again), CHUNK):
+        some = again[first : first + CHUNK]
+        problem = geometry(known, mechanism, poses[some])
+        result[some] = lowest(known, *problem, elements, count, loop, lengths, torsion=torsion)
+    return result
 
 
 def _loop(size: int, fast: bool | None) -> Loop | None:
@@ -191,15 +221,32 @@ def lowest(
     over `lengths`. After so many `levels` of tables certified bisection takes over.
     """
     n = lengths.shape[1]
-    coupled = count if elements is None else min(count, 6 + n * (5 * elements - 2))
+    coupled = _coupled(count, elements, n)
     values, left = tabulated(known, lengths, vectors, elements, coupled, loop, span, levels)
     for i in left:
         one = Characteristic(known.rods, lengths[i], vectors[i].reshape(n, 3, 6), elements)
         values[i] = certified.middles(certified.coupled(one, coupled))
+    return _twisted(known, lengths, values, elements, count, torsion)
+
+
+def _coupled(count: int, elements: int | None, limbs: int) -> int:
+    """Return how many of `count` modes are to be found that are not torsion of limbs."""
+    return count if elements is None else min(count, 6 + limbs * (5 * elements - 2))
+
+
+def _twisted(
+    known: Constants,
+    lengths: Floats,
+    values: Floats,
+    elements: int | None,
+    count: int,
+    torsion: bool,
+) -> Floats:
+    """Return the lowest of `values` and, with `torsion`, of the limbs' modes of it, (N, count)."""
     if not torsion:
         return values
     twist = torsion_eigenvalues(known.rods, lengths, 1, elements)[..., 0]
-    if coupled == count and twist.min() > values.max():
+    if values.shape[1] == count and twist.min() > values.max():
         return values
     twist = torsion_eigenvalues(known.rods, lengths, count, elements).reshape(len(lengths), -1)
     return np.sort(np.concatenate([values, twist], axis=1), axis=1)[:, :count]
@@ -214,21 +261,23 @@ def tabulated(
     loop: Loop | None = None,
     span: Floats | None = None,
     levels: int = LEVELS,
+    quick: bool = False,
 ) -> tuple[Floats, NDArray[np.intp]]:
     """Return the lowest omega^2 (N, count), torsion apart, and the poses that tables cannot answer.
 
-    Arguments as of `lowest`; the values of those poses are infinite.
+    Arguments as of `lowest` and `solve`; the values of those poses are infinite.
     """
     values = np.full((len(lengths), count), np.inf)
     left = np.arange(len(lengths))
     level = first_level(count, lengths.shape[1])
     for more in range(min(levels, MOST_POLES - level)):
-        problem = reduced(known, lengths[left], vectors[left], elements, level + more, span)
+        own = (lengths[left], vectors[left]) if more else (lengths, vectors)
+        problem = reduced(known, *own, elements, level + more, span)
         if problem is None:
             break
         if 6 + problem.poles.shape[1] < count:
             continue
-        found, good = solve(problem, count, loop)
+        found, good = solve(problem, count, loop, quick)
         values[left[good]] = found[good]
         left = left[~good]
         if not left.size:
@@ -236,13 +285,18 @@ def tabulated(
     return values, left
 
 
-def solve(problem: Problem, count: int, loop: Loop | None) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return omega^2 (N, count), and where they are certain to be the lowest, (N,)."""
+def solve(
+    problem: Problem, count: int, loop: Loop | None, quick: bool = False
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return omega^2 (N, count), and where they are certain to be the lowest, (N,).
+
+    `quick`: what all poses take; those that ask for more are not certain.
+    """
     N = len(problem.lengths)
     if loop is None:
         chord = problem.chord()
         start, motion = problem.pencil(chord.P, chord.slope)
-        found, settled = corrected(problem, chord, start, motion, count)
+        found, settled = corrected(problem, chord, start, motion, count, quick)
         told, below = problem.told(chord.P, start[:, :count], motion), None
     else:
         assert isinstance(problem, Reduced)
@@ -256,10 +310,13 @@ def solve(problem: Problem, count: int, loop: Loop | None) -> tuple[Floats, NDAr
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
     inside &= told
     poor = inside & ~settled
-    if poor.any():
+    if quick:
+        inside &= settled
+    elif poor.any():
         found[poor] = _by_rank(problem[poor], start[poor, :count])
+        below = None
     inside &= found[:, 0] > GRADED * start[:, -1]
-    return found, inside & _certain(problem, found, below if settled.all() else None)
+    return found, inside & _certain(problem, found, below)
 
 
 def _by_rank(problem: Problem, guess: Floats) -> Floats:

@@ -32,16 +32,21 @@ GRADED = 1e-6
 
 
 def corrected(
-    problem: Problem, chord: Chord, start: Floats, motion: Floats, count: int
+    problem: Problem,
+    chord: Chord,
+    start: Floats,
+    motion: Floats,
+    count: int,
+    quick: bool = False,
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the lowest roots (N, count) and where they are settled, (N,).
 
     `start` (N, m) and `motion` (N, r, m) are of the pencil with the `chord`. One step is enough
-    for most poses, and is estimated to be; the others take more. Repeated modes may divide zero by
-    zero; they do not settle.
+    for most poses, and is estimated to be; the others take more, unless all is to be `quick`.
+    Repeated modes may divide zero by zero; they do not settle.
     """
     found, settled = _steps(problem, chord, start, motion, count, 1)
-    if not settled.all():
+    if not quick and not settled.all():
         k = np.flatnonzero(~settled)
         some = problem[k], chord[k], start[k], motion[k]
         found[k], settled[k] = _steps(*some, count, MOST_STEPS)
