@@ -27,7 +27,7 @@ from analytic.wittrick_williams import Characteristic
 
 Loop = Callable[..., Any]
 
-CHUNK = 350
+CHUNK = 700
 """Poses solved at once: what fits into the processor's cache."""
 AGREED = 1e-9
 """How far, relative, frequencies may be from those of the model they are condensed from."""
@@ -150,11 +150,7 @@ def condensed_frequencies(
         alone = single.lowest(known, limbs, elements, count, torsion=torsion)
         if alone is not None:
             return np.sqrt(alone) / (2 * np.pi)
-    if size <= CHUNK:
-        problem = geometry(known, mechanism, poses)
-        result = lowest(known, *problem, elements, count, loop, torsion=torsion)
-    else:
-        result = _in_chunks(known, mechanism, poses.ravel(), elements, count, loop, torsion)
+    result = _in_chunks(known, mechanism, poses.ravel(), elements, count, loop, torsion)
     result.sort(axis=1)  # of repeated modes, the order is rounding's
     return np.asarray(np.sqrt(np.maximum(result, 0)) / (2 * np.pi)).reshape(*poses.shape, count)
 
@@ -303,9 +299,10 @@ def solve(
         told = np.ones(N, dtype=bool)
         start, found = np.empty((N, 6 + problem.poles.shape[1])), np.empty((N, count))
         settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
-        arrays = (problem.poles, problem.residues, problem.owner, problem.powers, problem.caps)
+        poles = problem.poles, problem.residues, problem.owner
+        smooth = problem.powers, problem.stiffness, problem.caps
         stops = problem.converged, SAFETY, MOST_STEPS, BESIDE
-        loop(problem.vectors, *arrays, *stops, start, found, settled, below)
+        loop(problem.vectors, *poles, *smooth, *stops, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
     inside &= told

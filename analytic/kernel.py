@@ -42,6 +42,7 @@ def solve_poses(
     residues: Floats,
     owner: NDArray[np.intp],
     powers: Floats,
+    stiffness: Floats,
     caps: Floats,
     tolerance: float,
     safety: float,
@@ -56,7 +57,8 @@ def solve_poses(
 
     `tolerance`, `safety` and `most` are of `correction`; modes are counted `past` the last root.
     """
-    terms, N, K = powers.shape
+    terms, K, columns = powers.shape
+    N = len(a)
     m = start.shape[1]
     p = m - 6
     count = found.shape[1]
@@ -79,9 +81,10 @@ def solve_poses(
         for k in range(K):
             limit = min(limit, caps[n, k])
             scale[k] = 2.0 / caps[n, k]
+        column = n if columns > 1 else 0
         for j in range(terms):
             for k in range(K):
-                power[j, k] = powers[j, n, k]
+                power[j, k] = powers[j, k, column] * stiffness[n, k]
         for q in range(p):
             end = min(end, poles[n, q])
         end = min(end, limit / BEYOND)

@@ -127,8 +127,8 @@ class Reduced:
     """The problem above at N poses; p limb modes are kept and m = 6 + p.
 
     Attributes: `lengths` (N, n); `vectors` a_k (N, 3 n, 6); `poles` (N, p) and `residues` (N, p)
-    with the direction `owner` (p,) of each; `powers` of P_k (DEGREE + 1, N, 3 n) over
-    2 lambda / `caps` - 1, `caps` (N, 3 n).
+    with the direction `owner` (p,) of each; `powers` (DEGREE + 1, 3 n, N), or one column where they
+    are the same for all, of P_k / `stiffness` over 2 lambda / `caps` - 1; both of these (N, 3 n).
     """
 
     lengths: Floats
@@ -137,6 +137,7 @@ class Reduced:
     residues: Floats
     owner: NDArray[np.intp]
     powers: Floats
+    stiffness: Floats
     caps: Floats
 
     converged = 5e-10
@@ -154,23 +155,27 @@ class Reduced:
             self.poles[index],
             self.residues[index],
             self.owner,
-            self.powers[:, index],
+            self.powers if self.powers.shape[-1] == 1 else self.powers[..., index],
+            self.stiffness[index],
             self.caps[index],
         )
 
     def smooth(self, eigenvalue: Floats) -> Floats:
         """Return P_k at `eigenvalue` (c, N), shape (c, N, 3 n): poses are runs of memory."""
-        t = (2 / self.caps) * eigenvalue[..., None] - 1
+        t = np.ascontiguousarray((2 / self.caps).T)[:, None] * eigenvalue
+        t -= 1
         if len(self.caps) <= FEW:
             t = t[None].repeat(DEGREE + 1, axis=0)
             t[0] = 1.0
             np.multiply.accumulate(t, axis=0, out=t)
-            return np.asarray(np.einsum("jcnk,jnk->cnk", t, self.powers))
-        value = self.powers[DEGREE] * t + self.powers[DEGREE - 1]
+            return np.asarray(np.einsum("jkcn,jkn->cnk", t, self.powers) * self.stiffness)
+        powers = self.powers[:, :, None]
+        value = powers[DEGREE] * t
+        value += powers[DEGREE - 1]
         for k in range(DEGREE - 2, -1, -1):
             value *= t
-            value += self.powers[k]
-        return np.asarray(value)
+            value += powers[k]
+        return np.asarray(np.multiply(value.transpose(1, 2, 0), self.stiffness, order="C"))
 
     @staticmethod
     def times(entries: Floats, motion: Floats) -> Floats:
@@ -217,13 +222,13 @@ class Reduced:
 
     def tangent(self, eigenvalue: Floats) -> tuple[Floats, Floats]:
         """Return the tangent of P_k at `eigenvalue` (N,): its value at 0 and slope, (N, 3 n)."""
-        t = 2 * eigenvalue[:, None] / self.caps - 1
-        value, slope = self.powers[DEGREE].copy(), np.zeros_like(t)
+        t = (2 / self.caps).T * eigenvalue - 1
+        value, slope = self.powers[DEGREE], np.zeros_like(t)
         for k in range(DEGREE - 1, -1, -1):
             slope = slope * t + value
             value = value * t + self.powers[k]
-        slope *= 2 / self.caps
-        return value - slope * eigenvalue[:, None], slope
+        P, slope = value.T * self.stiffness, slope.T * (2 / self.caps * self.stiffness)
+        return P - slope * eigenvalue[:, None], slope
 
     def pencil(self, P: Floats, slope: Floats) -> tuple[Floats, Floats]:
         """Solve with P_k + slope_k lambda for P_k(lambda); `P` and `slope` have shape (N, 3 n).
@@ -261,8 +266,8 @@ def reduced(
     rods = known.rods
     N, n = lengths.shape
     frequency2, stiffness = units(rods, lengths)
-    powers, caps = np.empty((DEGREE + 1, N, n, 3)), np.empty((n, 3))
-    poles, residues, owner = [], [], []
+    caps = np.empty((n, 3))
+    powers, poles, residues, owner = [], [], [], []
     for limbs, rod in known.alike:
         own = lengths[:, limbs]
         over = own if span is None else span
@@ -272,11 +277,7 @@ def reduced(
         # What is the same for all lengths is one row.
         x, c, P = modes.at(own.ravel())
         each = own.shape if len(x) == own.size else (1, 1)
-        P = P.reshape(-1, *each, 3) * stiffness[:, limbs]
-        if len(limbs) == n:
-            powers = P
-        else:
-            powers[:, :, limbs] = P
+        powers.append(P.reshape(-1, *each, 3).transpose(0, 2, 3, 1))
         caps[limbs] = modes.caps
         direction = modes.direction
         unit = frequency2[:, limbs][..., direction]
@@ -284,13 +285,17 @@ def reduced(
         poles.append((x.reshape(*each, -1) * unit).reshape(N, -1))
         residues.append((c.reshape(*each, -1) * unit * force).reshape(N, -1))
         owner.append((3 * limbs[:, None] + direction).ravel())
+    columns = np.empty((DEGREE + 1, n, 3, max(P.shape[-1] for P in powers)))
+    for (limbs, _), P in zip(known.alike, powers, strict=True):
+        columns[:, limbs] = P
     return Reduced(
         lengths,
         vectors,
         np.concatenate(poles, axis=1),
         np.concatenate(residues, axis=1),
         np.concatenate(owner),
-        powers.reshape(-1, N, 3 * n),
+        columns.reshape(DEGREE + 1, 3 * n, -1),
+        stiffness.reshape(N, 3 * n),
         (caps * frequency2).reshape(N, 3 * n),
     )
 
