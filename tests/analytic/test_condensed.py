@@ -195,6 +195,24 @@ def test_refuses_bad_input(robot, case1):
             condensed_frequencies(robot, case1, **bad)
 
 
+def test_no_count_of_elements_enters_the_work(robot, workspace_poses, monkeypatch):
+    """Matrices of the same size, as many of them; the few poses left over in one batch more."""
+    poses, solve, sizes = workspace_poses(3 * condensed.CHUNK, 28), condensed.solve, []
+
+    def counted(problem, *rest):
+        sizes[-1].append((len(problem.lengths), problem.poles.shape[1]))
+        return solve(problem, *rest)
+
+    monkeypatch.setattr(condensed, "solve", counted)
+    for elements in (1, 64, None):
+        sizes.append([])
+        condensed_frequencies(robot, poses, elements)
+    for first, *rest in zip(*(own[:3] for own in sizes), strict=True):
+        assert all(first == other for other in rest)
+    for own in sizes:
+        assert len(own) <= 4 and sum(count for count, _ in own[3:]) < 0.01 * len(poses)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("elements", [3, None])
 def test_ten_thousand_poses_keep_their_counts(robot, workspace_poses, elements):
