@@ -48,7 +48,7 @@ from harness.chain_file import (
     read_pose,
     rods,
 )
-from harness.paper import CASES, CHECKED, folder, names, read_paper
+from harness.paper import CASES, CHECKED, case_file, folder, names, read_paper
 from reference_models import parse
 
 Table = dict[str, Any]
@@ -70,12 +70,12 @@ def presets() -> dict[str, Case]:
 def load_cases(path: Path) -> dict[str, Case]:
     """Return the cases of `path` by name; raises `InputError` naming the key that is wrong.
 
-    `path`: a file, the folder of a paper, or the name of one that is shipped.
+    `path`: a file, the folder of a paper, or the name of either that comes along.
     """
     of = folder(str(path))
     if of is not None and of == folder(CHECKED):
         return presets()
-    cases = _read(path) if of is None else _of_paper(of)
+    cases = _read(case_file(path)) if of is None else _of_paper(of)
     for name in cases:
         if name in presets():
             raise InputError(f"cases.{name}", name, "a name that no built-in case has")
@@ -98,7 +98,7 @@ def _read(path: Path, *more: str) -> dict[str, Case]:
         data = tomllib.loads(text)
     except OSError as error:
         reason = error.strerror or str(error)
-        shipped = f", or a paper: {', '.join(names())}"
+        shipped = f", or one that comes along: {', '.join(names())}"
         raise InputError("case_file", str(path), f"a readable file ({reason}){shipped}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError("case_file", str(path), f"a TOML file ({error})") from None

@@ -202,9 +202,18 @@ def folder(text: str) -> Path | None:
     return next((one for one in found if (one / CASES).is_file()), None)
 
 
+def case_file(path: Path) -> Path:
+    """Return `path`, or the case file that comes along if it is the name of one, not a file."""
+    if path.exists() or path.name != str(path):
+        return path
+    found = [base / f"{path.name}.toml" for base in SHIPPED]
+    return next((one for one in found if one.is_file()), path)
+
+
 def names() -> list[str]:
-    """Return the names of the papers that are shipped."""
-    return sorted({path.parent.name for base in SHIPPED for path in base.glob(f"*/{CASES}")})
+    """Return the names of the papers and case files that come along."""
+    papers = {path.parent.name for base in SHIPPED for path in base.glob(f"*/{CASES}")}
+    return sorted(papers | {path.stem for base in SHIPPED for path in base.glob("*.toml")})
 
 
 def read_paper(path: Path, cases: list[str]) -> Paper:

@@ -4,10 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from analytic import Mechanism, Pose
 from harness.threads import one_thread
 
+# No test may fail because the machine was busy.
+settings.register_profile("bench", deadline=None)
+settings.load_profile("bench")
 _limits = one_thread()
 _limits.__enter__()
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from analytic import Continuum
 from harness.case_file import load_cases
 from harness.cli.main import cli
 
@@ -60,7 +61,12 @@ def test_the_case_file_of_the_docs_is_one(tmp_path: Path) -> None:
     for block in found:
         path = tmp_path / "mine.toml"
         path.write_text(block)
-        assert load_cases(path)
+        cases = load_cases(path)
+        assert cases
+        for case in cases.values():
+            assert Continuum("timoshenko").modes(case.mechanism, case.pose).frequencies[0] > 1, (
+                block
+            )
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic import STATIONS, Material, Rod, Theory
@@ -77,7 +77,6 @@ def przemieniecki(rod: Rod, length: float, theory: Theory) -> tuple[np.ndarray, 
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0))
-@settings(deadline=None)
 def test_every_entry(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
     K, M = element(rod, length, theory)
@@ -101,7 +100,6 @@ def test_every_entry(beam: str, rod: Rod, length: float) -> None:
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0))
-@settings(deadline=None)
 def test_rigid_motion_costs_nothing_and_weighs_all(beam: str, rod: Rod, length: float) -> None:
     theory = Theory(beam)
     K, M = element(rod, length, theory)
@@ -172,7 +170,6 @@ def test_cowper() -> None:
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(data=st.data())
-@settings(deadline=None)
 def test_centre_line_follows_rigid_motion(beam: str, data: st.DataObject) -> None:
     rod, length = data.draw(rods), data.draw(st.floats(0.05, 2.0))
     elements, theory = data.draw(st.integers(1, 6)), Theory(beam)
@@ -188,7 +185,6 @@ def test_centre_line_follows_rigid_motion(beam: str, data: st.DataObject) -> Non
 
 @pytest.mark.parametrize("beam", THEORIES)
 @given(rod=rods, length=st.floats(0.01, 3.0), data=st.data())
-@settings(deadline=None)
 def test_strains_are_the_elements_energy(
     beam: str, rod: Rod, length: float, data: st.DataObject
 ) -> None:

@@ -224,13 +224,13 @@ def mechanisms(draw, most=12):
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, suppress_health_check=list(HealthCheck))
 @given(mechanisms(), st.sampled_from(["euler-bernoulli", "rayleigh", "timoshenko"]))
 def test_every_bracket_of_any_mechanism_holds_its_mode(made, beam):
     check(*made, Continuum(beam))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(mechanisms())
 def test_the_condensed_and_the_assembled_model_agree_or_refuse(made):
     mechanism, pose = made

@@ -176,7 +176,7 @@ def test_a_table_of_the_papers_limb_is_its_dynamic_stiffness(elements: int | Non
 
 
 @pytest.mark.slow
-@settings(max_examples=3, deadline=None)
+@settings(max_examples=3)
 @given(robots(), st.sampled_from(["rayleigh", "timoshenko"]), st.sampled_from([None, 1, 3]))
 def test_random_chains_agree_with_single_poses(
     robot: tuple[Mechanism, Pose], beam: str, elements: int | None

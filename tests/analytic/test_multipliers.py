@@ -71,7 +71,7 @@ def formulations(elements: int, beam: str) -> list[Any]:
 
 
 @given(robot=mechanisms(), pose=poses, elements=st.integers(1, 4), beam=st.sampled_from(THEORIES))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_formulations_agree(robot: Mechanism, pose: Pose, elements: int, beam: str) -> None:
     first, *others = (model.modes(robot, pose, 9) for model in formulations(elements, beam))
     for other in others:

@@ -81,7 +81,7 @@ def robots(draw: st.DrawFn) -> tuple[Mechanism, Pose]:
 
 
 @pytest.mark.slow
-@settings(max_examples=6, deadline=None)
+@settings(max_examples=6)
 @given(robots(), st.sampled_from(["euler-bernoulli", "rayleigh", "timoshenko"]))
 def test_random_chains_agree_in_all_formulations(robot: tuple[Mechanism, Pose], beam: str) -> None:
     mechanism, pose = robot

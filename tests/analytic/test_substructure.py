@@ -52,7 +52,7 @@ def test_known_values(robot: Mechanism, case1: Pose, case2: Pose) -> None:
 
 
 @given(turn=st.floats(-np.pi, np.pi))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_known_values_whatever_the_heading(turn: float) -> None:
     robot = Mechanism.paper(heading=turn)
     pose = Pose(0.49, np.radians(10) + turn, np.radians(-12))
@@ -87,7 +87,7 @@ def test_axes_exactly_along_x(quarters: int) -> None:
 
 
 @given(pose=poses, beam=st.sampled_from(THEORIES), elements=st.integers(1, 4))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_120_degree_symmetry(pose: Pose, beam: str, elements: int) -> None:
     robot = Mechanism.paper()
     turned = Pose(pose.z, pose.azimuth + 2 * np.pi / 3, pose.tilt)
@@ -96,7 +96,7 @@ def test_120_degree_symmetry(pose: Pose, beam: str, elements: int) -> None:
 
 
 @given(pose=poses, beam=st.sampled_from(THEORIES))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_leaning_the_other_way_is_half_a_turn(pose: Pose, beam: str) -> None:
     """(phi, theta) and (phi + pi, -theta) are one rotation."""
     other = Pose(pose.z, pose.azimuth + np.pi, -pose.tilt)
@@ -113,7 +113,7 @@ def test_leaning_the_other_way_is_half_a_turn(pose: Pose, beam: str) -> None:
     stiff=st.floats(0.1, 10),
     heavy=st.floats(0.1, 10),
 )
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_units_scale(pose: Pose, beam: str, length: float, stiff: float, heavy: float) -> None:
     """f goes as sqrt(E / rho) / length when all lengths, moduli and densities are scaled."""
 
@@ -192,7 +192,7 @@ def test_observed_order(beam: str, order: int, robot: Mechanism, case2: Pose) ->
 
 
 @given(pose=poses, beam=st.sampled_from(THEORIES[:2]))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 def test_more_elements_never_raise_a_frequency(pose: Pose, beam: str) -> None:
     """Rayleigh's principle on nested meshes; Timoshenko's depend on the element's length."""
     coarse, fine = (frequencies(Mechanism.paper(), pose, s, beam) for s in (2, 4))
@@ -327,7 +327,7 @@ def test_elements_of_any_integer_type(robot: Mechanism, case1: Pose) -> None:
 
 
 @given(pose=poses, elements=st.integers(1, 5), beam=st.sampled_from(THEORIES))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_sparse_is_dense(pose: Pose, elements: int, beam: str) -> None:
     robot = Mechanism.paper()
     dense, sparse = (

@@ -73,7 +73,7 @@ def test_many_poses_are_each_of_them() -> None:
 
 
 @given(azimuths, zs)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_a_limit_is_active_on_the_boundary(azimuth: float, z: float) -> None:
     tilt = float(boundary(PAPER, z, azimuth, LIMITS))
     at = margins(PAPER, Pose(z, azimuth, tilt), LIMITS)
@@ -96,7 +96,7 @@ def test_the_boundary_is_the_first_one() -> None:
 
 
 @given(azimuths, azimuths, st.floats(0.25, 0.9))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 def test_the_boundary_turns_with_the_frame(azimuth: float, heading: float, z: float) -> None:
     """Three limbs repeat after 120 degrees and mirror; a turned mechanism turns its boundary."""
     around = np.array([azimuth, azimuth + THIRD, azimuth - THIRD, -azimuth])
@@ -115,7 +115,7 @@ def test_the_boundary_turns_with_the_frame(azimuth: float, heading: float, z: fl
 @given(
     st.floats(0.0, 0.05), st.floats(0.0, 0.1), st.floats(0.0, 0.3), st.floats(0.0, 0.3), azimuths
 )
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 def test_tighter_limits_never_widen(
     shorter: float, longer: float, alpha: float, beta: float, azimuth: float
 ) -> None:

@@ -129,7 +129,11 @@ def test_every_study_takes_the_folder(tmp_path: Path) -> None:
     assert any("z = 4 m is printed" in note for note in table.table().notes)
     budget = study("budget", case_file=folder, references="timoshenko@exact", elements="1-3")
     assert set(budget.to_frame()["case"]) == {"low", "high"}
-    claims = study("claims", case_file=folder).to_frame().set_index("id")
+    judged = study("claims", case_file=folder)
+    assert judged.table().notes == (
+        "2 holds; 0 holds only if; 0 cannot be reproduced as printed; 0 fails",
+    )
+    claims = judged.to_frame().set_index("id")
     assert list(claims["kind"]) == ["holds", "holds"]
     assert "at most +1" in claims.loc["fea", "measured"]
 
@@ -186,8 +190,15 @@ def test_what_is_wrong_is_named(tmp_path: Path, name: str, old: str, new: str, s
         spoiled(tmp_path / "other", name, old, new)()
 
 
+def test_mechanisms_come_along_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert {"hexapod", "tricept"} <= {*load_cases(Path("mechanisms"))}
+    Path("mechanisms").write_text("[cases.mine]\nz_mm = 500\n")  # one's own file goes first
+    assert [*load_cases(Path("mechanisms"))] == ["mine"]
+
+
 def test_a_paper_that_is_not_there(rps_bench: Callable[..., Any]) -> None:
     said = rps_bench("table", "--case-file", "nowhere")
-    assert said.status == 2 and "or a paper: beam-with-tip-mass, code-aster-sdll, gon" in said.err
+    assert said.status == 2 and "or one that comes along: beam-with-tip-mass, code-" in said.err
     said = rps_bench("claims", "--case-file", str(Path(__file__)))
     assert said.status == 2

@@ -80,7 +80,7 @@ CELLS = st.one_of(
 )
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(data=st.data(), columns=st.integers(1, 15), width=st.sampled_from(WIDTHS))
 def test_no_number_is_cut(data: st.DataObject, columns: int, width: int) -> None:
     names = tuple(f"c{k} [mm]" for k in range(columns))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from analytic import InputError, Limb, Mechanism, Pose, limbs_at
@@ -35,7 +35,6 @@ def test_two_ways_to_place_the_platform_agree(robot: Mechanism, workspace_poses:
     np.testing.assert_allclose(own.frames, eqs.frames, atol=1e-13)
 
 
-@settings(deadline=None)
 @given(
     st.floats(0.3, 0.9), st.floats(-3, 3), st.floats(-0.4, 0.4), st.sampled_from([1e-3, 1.0, 1e3])
 )

@@ -42,7 +42,7 @@ def test_simulators_meet_their_limit_or_refuse(name: str, elements: Any) -> None
         pytest.skip(str(reason))
     answered = 0
 
-    @settings(max_examples=12, deadline=None, database=None, derandomize=True,
+    @settings(max_examples=12, database=None, derandomize=True,
               suppress_health_check=list(HealthCheck))  # fmt: skip
     @given(mechanisms())
     def check(drawn: tuple[Mechanism, Pose]) -> None:

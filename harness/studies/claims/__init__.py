@@ -10,7 +10,7 @@ from typing import Any
 
 from analytic import InputError
 from harness.bench import Bench
-from harness.paper import Claim
+from harness.paper import FORMS, Claim
 from harness.plan import Plan
 from harness.request import Option, Request
 from harness.result import Result
@@ -94,12 +94,17 @@ class Claims(Result):
         return {"": whole} if len(self.found) <= LONG else {"": whole, "-short": self._table(SHORT)}
 
     def _table(self, columns: Sequence[str]) -> Table:
-        notes = (
-            "; ".join(f"{number} {kind}" for kind, number in self.counts().items()),
+        # Claims of any paper bring their own thresholds.
+        ruled = any(one.claim.check not in FORMS for one in self.found)
+        rules = (
             f"printed numbers agree within half a unit of their last digit ({RULES.rounding:g}) "
             "and the measured uncertainty; two frequencies are the same within "
             f"{RULES.agrees_percent:g} %; significant is more than "
             f"{RULES.significant_percent:g} %, the error that the paper itself calls acceptable",
+        )
+        notes = (
+            "; ".join(f"{number} {kind}" for kind, number in self.counts().items()),
+            *(rules if ruled else ()),
             *(f"not checked: {name}: {why}" for name, why in self.unchecked.items()),
         )
         rows = tuple(tuple(row[name] for name in columns) for row in self.records())

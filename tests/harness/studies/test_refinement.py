@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from analytic import Continuum, InputError
@@ -14,7 +14,6 @@ from harness.studies.refinement import Family, Refinement, ladder, verify
 from reference_models import Named
 
 
-@settings(deadline=None)
 @given(
     limit=st.floats(1, 1e4),
     error=st.floats(-0.5, 0.5),
