@@ -36,6 +36,8 @@ ENDLESS = 2.0
 """A call longer than this [s] is timed once, as it warms up."""
 SAMPLE = 0.01
 """Shorter calls are repeated within one measurement until they fill this time [s]."""
+SAID = "build_seconds", "solve_seconds"
+"""What modes say of their own time."""
 SHIFT = 1e-12
 """How far apart [m] the heights of two calls are: nothing kept from one serves the next."""
 
@@ -55,9 +57,8 @@ class Way:
         """What is the same for every number of elements, in words."""
         name = getattr(self.model, "name", type(self.model).__name__)
         own = ",".join(f"{k}={v}" for k, v in getattr(self.model, "settings", ()))
-        many = f", {self.poses} poses a call" if self.poses > 1 else ""
-        alone = ", frequencies" if self.poses == 1 else ""
-        return f"{name}[{own}]{alone}{many}" if own else f"{name}{alone}{many}"
+        asked = {0: "", 1: ", frequencies"}.get(self.poses, f", {self.poses} poses a call")
+        return f"{name}{f'[{own}]' if own else ''}{asked}"
 
     @property
     def size(self) -> str:
@@ -66,6 +67,27 @@ class Way:
         if isinstance(elements, tuple):
             return "+".join(map(str, elements))
         return "exact" if elements is None else str(elements)
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What a pose took [s] and answered.
+
+    Attributes: `seconds`; `build`, `solve`: what the answers say of their matrices and
+    eigen-solutions, NaN where they are frequencies alone; `answers` of the last call, one a place:
+    modes, or frequencies of the first pose; `phases`: seconds by `reference_models.spent`.
+    """
+
+    seconds: float
+    build: float
+    solve: float
+    answers: tuple[Modes | Array, ...]
+    phases: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def rest(self) -> float:
+        """What the answers do not say of the seconds."""
+        return self.seconds - self.build - self.solve
 
 
 @dataclass(frozen=True)
@@ -83,14 +105,14 @@ class Call:
         """Whose code runs."""
         return self.way.model
 
-    def solve(self) -> "Spent":
-        """Return the seconds of a call and the answers of the last."""
+    def solve(self) -> Spent:
+        """Return what they took."""
         model, poses = self.way.model, self.way.poses
         shifted = [
             [replace(pose, z=pose.z + SHIFT * (self.first + k)) for _, pose in self.places]
             for k in range(self.number)
         ]
-        ask, said = model.frequencies if poses else model.modes, 0.0
+        ask, said = model.frequencies if poses else model.modes, np.zeros(2)
         gc.collect()
         gc.disable()
         try:
@@ -102,74 +124,48 @@ class Call:
                         for (mechanism, _), pose in zip(self.places, at, strict=True)
                     ]
                     for one in answers:
-                        if isinstance(one, Modes):
-                            said += one.build_seconds + one.solve_seconds
+                        said += [getattr(one, name, np.nan) for name in SAID]
                 seconds = time.perf_counter() - began
         finally:
             gc.enable()
-        each = self.number * len(self.places)
+        each = self.number * len(self.places) * max(1, poses)
+        firsts = (a if isinstance(a, Modes) else np.atleast_2d(np.asarray(a))[0] for a in answers)
         phases = {name: spent / each for name, spent in record.seconds.items()}
-        return Spent(seconds / each, tuple(answers), phases, (seconds - said) / each)
-
-
-@dataclass(frozen=True)
-class Spent:
-    """What a call took at a place [s] and answered, and seconds by `reference_models.spent`.
-
-    `rest`: what of the seconds its answers do not say of their matrices and eigen-solutions.
-    """
-
-    seconds: float
-    answers: tuple[Any, ...]
-    phases: Mapping[str, float]
-    rest: float
+        build, solve = said / each
+        return Spent(seconds / each, float(build), float(solve), tuple(firsts), phases)
 
 
 @dataclass(frozen=True)
 class Timed:
-    """One way, timed.
-
-    Attributes: `seconds` a pose, by round; `builds`, `solves`: what its answers say of their
-    matrices and eigen-solutions, by call, empty for frequencies alone; `answers`, one a place:
-    modes, or frequencies of the first pose of a call; `phases`: a simulator's seconds by phase,
-    medians of all calls; `once`: those of its first call; `rests`, by round: seconds less what the
-    same calls' answers say.
-    """
+    """One way, timed: what its `first` call took, and those of the `rounds`."""
 
     way: Way
-    seconds: Array
-    builds: Array
-    solves: Array
-    answers: tuple[Modes | Array, ...]
-    phases: Mapping[str, float] = field(default_factory=dict)
-    once: Mapping[str, float] = field(default_factory=dict)
-    rests: Array = field(default_factory=lambda: np.empty(0))
+    first: Spent
+    rounds: tuple[Spent, ...]
+
+    def each(self, what: str) -> Array:
+        """Return one of the times in `Spent`, by round [s]."""
+        return np.array([getattr(one, what) for one in self.rounds])
+
+    def median(self, what: str = "seconds") -> float:
+        """Return the median of one of the times in `Spent` [s]."""
+        return float(np.median(self.each(what)))
 
     @property
-    def rest(self) -> float | None:
-        """The median time beside matrices and eigen-solution [s]; None for frequencies alone."""
-        return float(np.median(self.rests)) if self.builds.size else None
+    def phases(self) -> dict[str, float]:
+        """A simulator's seconds by phase, medians."""
+        return {k: float(np.median([one.phases[k] for one in self.rounds]))
+                for k in self.first.phases}  # fmt: skip
 
     @property
-    def build(self) -> float | None:
-        """The median time of the matrices [s]; None for frequencies alone."""
-        return float(np.median(self.builds)) if self.builds.size else None
-
-    @property
-    def solve(self) -> float | None:
-        """The median time of the eigen-solution [s]; None for frequencies alone."""
-        return float(np.median(self.solves)) if self.solves.size else None
-
-    @property
-    def median(self) -> float:
-        """The median time of a pose [s]."""
-        return float(np.median(self.seconds))
+    def answers(self) -> tuple[Modes | Array, ...]:
+        """What it answered last, one a place."""
+        return self.rounds[-1].answers
 
     @property
     def dofs(self) -> int | None:
         """The coordinates solved for, where the answer says so."""
-        first = self.answers[0]
-        return first.dofs if isinstance(first, Modes) else None
+        return getattr(self.answers[0], "dofs", None)
 
     def frequencies(self, place: int) -> Array:
         """Return the frequencies at a place [Hz]."""
@@ -194,62 +190,39 @@ class Timings:
 
 @dataclass
 class _Running:
-    """A way under way: the seconds a call takes, its samples, and its last answers."""
+    """A way under way, with what all its calls took."""
 
+    bench: Bench
     way: Way
     places: Places
-    seconds: float = 0.0
-    samples: dict[int, float] = field(default_factory=dict)
-    builds: list[float] = field(default_factory=list)
-    solves: list[float] = field(default_factory=list)
-    answers: tuple[Any, ...] = ()
-    phases: list[Mapping[str, float]] = field(default_factory=list)
-    rest: float = 0.0
-    rests: dict[int, float] = field(default_factory=dict)
+    count: int
+    spent: list[Spent] = field(default_factory=list)
     calls: int = 0
 
-    def call(self, bench: Bench, count: int, number: int = 1) -> Failure | None:
+    @property
+    def seconds(self) -> float:
+        """What the last call took at all places."""
+        return self.spent[-1].seconds * len(self.places) * max(1, self.way.poses)
+
+    def call(self, number: int = 1) -> Failure | None:
         """Make `number` calls; return why there is no answer, None if there is one."""
-        task = Call(self.way, self.places, count, number, self.calls)
+        task = Call(self.way, self.places, self.count, number, self.calls)
         self.calls += number
-        found = bench.call(task, self.way.model.info().isolated)
+        found = self.bench.call(task, self.way.model.info().isolated)
         if isinstance(found, Failure):
             return found
         assert isinstance(found, Spent)
-        self.seconds, self.rest, self.answers = found.seconds, found.rest, found.answers
-        self.phases.append(found.phases)
-        for answer in found.answers:
-            if isinstance(answer, Modes):
-                self.builds.append(answer.build_seconds)
-                self.solves.append(answer.solve_seconds)
+        self.spent.append(found)
         return None
 
-    def sample(self, bench: Bench, count: int, k: int) -> None:
-        """Time the way in round `k`, unless it has been timed often enough."""
-        one = self.seconds * len(self.places)
-        if one > ENDLESS or (one > SLOW and k >= FEW):
-            k = min(self.samples, default=k)
-            self.samples.setdefault(k, self.seconds)
-            self.rests.setdefault(k, self.rest)
-            return
-        if not self.call(bench, count, max(1, int(SAMPLE / max(one, 1e-9)))):
-            self.samples[k], self.rests[k] = self.seconds, self.rest
+    def sample(self, k: int) -> None:
+        """Time the way in round `k`, unless that takes too long."""
+        if self.seconds <= SLOW or (self.seconds <= ENDLESS and k < FEW):
+            self.call(max(1, int(SAMPLE / self.seconds)))
 
     def timed(self) -> Timed:
-        many = max(1, self.way.poses)
-        answers = tuple(
-            a if isinstance(a, Modes) else np.atleast_2d(np.asarray(a))[0] for a in self.answers
-        )
-        return Timed(
-            self.way,
-            np.array(list(self.samples.values())) / many,
-            np.array(self.builds),
-            np.array(self.solves),
-            answers,
-            {k: float(np.median([p[k] for p in self.phases[1:]])) for k in self.phases[0]},
-            self.phases[0],
-            np.array(list(self.rests.values())),
-        )
+        first, second, *rounds = self.spent
+        return Timed(self.way, first, tuple(rounds or [second]))
 
 
 def time_ways(
@@ -268,7 +241,7 @@ def time_ways(
     """
     left_out: dict[str, str] = {}
     failures: dict[str, str] = {}
-    known = yardsticks or {}
+    yards: dict[str, list[float]] = {name: [] for name in yardsticks or {}}
     bench.listener.expect(len(ways) + rounds)
     running: list[_Running] = []
     stopped: set[str] = set()
@@ -279,31 +252,32 @@ def time_ways(
         if unfit:
             left_out[way.method] = f"not with {way.size} elements ({unfit})"
         elif key not in stopped:
-            one = _Running(way, _places(way, cases))
+            many = way.poses
+            places = tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)
+            one = _Running(bench, way, places, count)
             # What the first call loads or compiles is no cost of the method.
-            why = one.call(bench, count) or one.call(bench, count)
+            why = one.call() or one.call()
             if why is not None and why.refused:
                 left_out[key] = why.reason
             elif why is not None:
                 failures[f"{label(way.model)} at {', '.join(c.name for c in cases)}"] = why.reason
             else:
-                one.builds, one.solves = one.builds[-1:], one.solves[-1:]
                 running.append(one)
-                if one.seconds * len(cases) > (LONG_BATCH if batch else LONG):
+                if one.seconds > (LONG_BATCH if batch else LONG):
                     stopped.add(key)
-                    most, what = (way.poses, "call") if batch else (way.size, "pose")
-                    left_out[key] = f"not beyond {most}: {one.seconds:.1f} s a {what}"
+                    most, what = (many, "call") if batch else (way.size, "pose")
+                    spent = one.seconds / len(cases)
+                    left_out[key] = f"not beyond {most}: {spent:.1f} s a {what}"
         bench.listener.done(f"{way.method}, {way.size}")
-    spent: dict[str, list[float]] = {name: [] for name in known}
     for k in range(rounds):
-        for name, run in known.items():
-            spent[name].append(_seconds(run))
+        for name, run in (yardsticks or {}).items():
+            yards[name].append(_seconds(run))
         for one in running:
-            one.sample(bench, count, k)
+            one.sample(k)
         bench.listener.done(f"round {k + 1}")
     return Timings(
         tuple(one.timed() for one in running),
-        {name: np.array(values) for name, values in spent.items()},
+        {name: np.array(values) for name, values in yards.items()},
         left_out,
         failures,
         rounds,
@@ -319,11 +293,6 @@ def _unfit(model: Model) -> str:
     except UnavailableError:  # said when it is asked
         pass
     return ""
-
-
-def _places(way: Way, cases: Sequence[Case]) -> Places:
-    many = way.poses
-    return tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)
 
 
 def poses_around(case: Case, count: int) -> Pose:

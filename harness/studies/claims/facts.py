@@ -241,7 +241,9 @@ class Facts:
         ways = {(k, s): replace(kinds[k], elements=s) for s in COST_STEPS for k in FORMULATIONS}
         found: dict[str, dict[int, Spent]] = {name: {} for name in FORMULATIONS}
         for (name, s), one in zip(ways, self._timed(list(ways.values())), strict=True):
-            found[name][s] = Spent(one.seconds, one.solves, counted(name, s, self.cases[-1]).flops)
+            found[name][s] = Spent(
+                one.each("seconds"), one.each("solve"), counted(name, s, self.cases[-1]).flops
+            )
         return found
 
     @cached_property
@@ -253,7 +255,7 @@ class Facts:
         """
         models = [PAPER, parse(STAND_IN, "reference")]
         found = {
-            model.label: Spent(one.seconds, one.solves, float(one.dofs or 0))
+            model.label: Spent(one.each("seconds"), one.each("solve"), float(one.dofs or 0))
             for model, one in zip(models, self._timed(models), strict=True)
         }
         solid, case = solid_truth(), self.cases[-1]

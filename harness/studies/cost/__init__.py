@@ -1,6 +1,6 @@
 """What a frequency costs: build, solve and the rest told apart, beside counted work."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from analytic import InputError, Substructure
 from harness.bench import Bench
 from harness.case import Case
+from harness.compare import cell, cells
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Request, whole
@@ -28,7 +29,6 @@ from harness.timing import Timed, Timings, Way, time_ways
 from reference_models import Named
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -62,31 +62,39 @@ OPTIONS = (
 
 @dataclass(frozen=True)
 class Cost(Result):
-    """A whole run at `case`: `timings` of every model against s, and of `batches` of poses.
+    """A whole run at `case`: `timings` of every model against s, and of batches of poses.
 
-    Attributes: `stand_in`, what stands for the paper's finite elements; `plain`, our time in times
-    of plain dense solutions; `many`, many poses on many cores; `peers`, other programs.
+    Attributes: `plain`, our time in times of plain dense solutions; `many`, many poses on many
+    cores; `peers`, other programs.
     """
 
     case: Case
     theory: Named
     timings: Timings
-    batches: tuple[Timed, ...]
-    stand_in: Timed | None
     plain: tuple[Ratio, ...]
     many: tuple[Throughput, ...]
     peers: Peers
 
     @property
     def elements(self) -> tuple[Timed, ...]:
-        """What was timed one pose a call."""
-        many = {id(one) for one in self.batches}
-        return tuple(t for t in self.timings.timed if id(t) not in many and t is not self.stand_in)
+        """What was timed one pose a call, with its modes."""
+        return tuple(t for t in self.timings.timed if not t.way.poses and t is not self.stand_in)
+
+    @property
+    def batches(self) -> tuple[Timed, ...]:
+        """What was timed without modes, one pose a call or many."""
+        return tuple(t for t in self.timings.timed if t.way.poses)
+
+    @property
+    def stand_in(self) -> Timed | None:
+        """What stands for the paper's finite elements: the one that is extrapolated."""
+        two = (t for t in self.timings.timed if isinstance(t.way.model.elements, tuple))
+        return next(two, None)
 
     def ratios(self, one: Timed, yardstick: str) -> Array:
         """Return seconds a pose in times of a yardstick of the same round."""
         yard = self.timings.yardsticks[yardstick]
-        return one.seconds / yard[: len(one.seconds)]
+        return one.each("seconds") / yard[: len(one.rounds)]
 
     def at(self, method: str, size: int | None = PAPER_ELEMENTS) -> Timed | None:
         """Return what one method took with `size` elements, or None."""
@@ -95,19 +103,23 @@ class Cost(Result):
         )
         return next(found, None)
 
-    def to_frame(self) -> "pd.DataFrame":
-        """Return one row a way and round: seconds a pose, and its parts."""
-        import pandas as pd
+    def rivals(self) -> dict[str, Timed]:
+        """Return what multipliers took with the paper's number of elements, by solver."""
+        ways = {
+            solver: Way(Named("multipliers", None, (("solver", solver),))) for solver in SOLVERS
+        }
+        found = {solver: self.at(way.method) for solver, way in ways.items()}
+        return {solver: one for solver, one in found.items() if one is not None}
 
-        return pd.DataFrame([
-            {
-                "method": t.way.method, "elements": t.way.size,
-                "poses_a_call": max(1, t.way.poses), "dofs": t.dofs, "round": k + 1,
-                "seconds_a_pose": float(value), "build_s": t.build, "solve_s": t.solve,
-            }
-            for t in self.timings.timed
-            for k, value in enumerate(t.seconds)
-        ])  # fmt: skip
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Return one row a way and round: seconds a pose, and its parts."""
+        for t in self.timings.timed:
+            for k, one in enumerate(t.rounds):
+                yield {
+                    "method": t.way.method, "elements": t.way.size,
+                    "poses_a_call": max(1, t.way.poses), "dofs": t.dofs, "round": k + 1,
+                    "seconds_a_pose": one.seconds, "build_s": one.build, "solve_s": one.solve,
+                }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return what every model costs, how that grows, and whose seconds they are."""
@@ -125,15 +137,15 @@ class Cost(Result):
         return found | ({"-claims": self._claims_table(paper.cost)} if paper and paper.cost else {})
 
     def _elements_table(self) -> Table:
-        rows: list[tuple[Cell, ...]] = [
+        parts = ("build", "solve", "rest")
+        rows = tuple(
             (t.way.method, t.way.size, "-" if t.dofs is None else t.dofs,
-             Number(1e3 * t.median, 3), *_quartiles(1e3 * t.seconds),
-             _ms(t.build), _ms(t.solve), _ms(t.rest),
+             *cells(1e3 * _quartiles(t), 3), *cells((1e3 * t.median(name) for name in parts), 3),
              Number(float(np.median(self.ratios(t, YARDSTICK))), 2))
             for t in self.elements
-        ]  # fmt: skip
-        columns = ("Model", "s", "dofs", "median [ms]", "q1 [ms]", "q3 [ms]", "build [ms]",
-                   "solve [ms]", "rest [ms]", "ratio")  # fmt: skip
+        )  # fmt: skip
+        columns = ("Model", "s", "dofs", "median [ms]", "q1 [ms]", "q3 [ms]",
+                   *(f"{name} [ms]" for name in parts), "ratio")  # fmt: skip
         yard = float(np.median(self.timings.yardsticks[YARDSTICK]))
         notes = (
             f"ratio: to {YARDSTICK}, {1e3 * yard:.3f} ms here",
@@ -142,7 +154,7 @@ class Cost(Result):
             *self._circumstances(),
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
         )
-        return Table("Cost of one pose against the number of elements", columns, tuple(rows), notes)
+        return Table("Cost of one pose against the number of elements", columns, rows, notes)
 
     @property
     def steps(self) -> list[int]:
@@ -150,30 +162,34 @@ class Cost(Result):
         return sorted({s for t in self.elements if isinstance(s := t.way.model.elements, int)})
 
     def _batches_table(self) -> Table:
-        rows: list[tuple[Cell, ...]] = [
-            (replace(t.way, poses=0).method, t.way.size, max(1, t.way.poses),
-             Number(1e6 * t.median, 2), *_quartiles(1e6 * t.seconds, 2),
-             Number(float(np.median(self.ratios(t, FLOOR))), 2))
+        rows = tuple(
+            (replace(t.way, poses=0).method, t.way.size, t.way.poses,
+             *cells(1e6 * _quartiles(t)), Number(float(np.median(self.ratios(t, FLOOR))), 2))
             for t in self.batches
-        ]  # fmt: skip
+        )  # fmt: skip
         columns = ("Model", "s", "poses a call", "median [us]", "q1 [us]", "q3 [us]", "6x6 eigh")
         floor = float(np.median(self.timings.yardsticks[FLOOR]))
         notes = (f"all a pose; 6x6 eigh: ratio to {FLOOR}, {1e6 * floor:.2f} us here",
                  *self._circumstances())  # fmt: skip
         title = "Cost of a pose against the number of poses a call"
-        return Table(title, columns, tuple(rows), notes)
+        return Table(title, columns, rows, notes)
 
     def _claims_table(self, said: Mapping[str, float]) -> Table:
         """Return what the paper claims next to what this run measured."""
-        own = self.at(self.theory.name)
-        rows: list[tuple[Cell, ...]] = []
-        if own is not None:
-            both = {"theoretical model": own, "finite-element model": self.stand_in}
-            rows += [_seconds(name, said.get(name), t) for name, t in both.items() if t is not None]
-            if self.stand_in is not None:
-                rows.append(_saved(said.get("cost saved"), own, self.stand_in))
-            for rival in filter(None, (self.at(_rival(solver)) for solver in SOLVERS)):
-                rows += [_seconds(rival.way.method, None, rival), _saved(None, own, rival)]
+        own, rows = self.at(self.theory.name), list[tuple[Cell, ...]]()
+        rivals = [(one.way.method, one) for one in self.rivals().values()]
+        both = [("theoretical model", own), ("finite-element model", self.stand_in)]
+        for claim, one in (*both, *rivals):
+            if own is None or one is None:
+                continue
+            printed = cell(said.get(claim, np.nan))
+            rows.append((claim, "s", printed, Number(one.median(), 4), _named(one)))
+            if one is not own:
+                pairs = zip(own.each("seconds"), one.each("seconds"), strict=False)
+                saved = 100 * float(np.median([1 - a / b for a, b in pairs]))
+                printed = cell(said.get("cost saved", np.nan) if one is self.stand_in else np.nan)
+                about = f"cost saved against {_named(one)}"
+                rows.append((about, "%", printed, Number(saved, 2), _named(own)))
         columns = ("Claim", "Unit", "Paper", "Here", "What was measured")
         notes = (
             "the paper compares with finite elements (ANSYS) alone and says neither on what "
@@ -202,22 +218,19 @@ class Cost(Result):
         exact = [t for t in self.batches if t.way.poses == size and t.way.size == "exact"]
         if exact:
             each = "; ".join(
-                f"{t.way.method}: {np.median(self.ratios(t, FLOOR)):.1f} ({1e6 * t.median:.0f} us)"
+                f"{t.way.method}: {np.median(self.ratios(t, FLOOR)):.1f} "
+                f"({1e6 * t.median():.0f} us)"
                 for t in exact
             )
             lines.append(f"A pose costs, in times of one 6x6 numpy.linalg.eigh: {each}.")
         own = self.at(self.theory.name)
-        if own is not None:
-            for solver in SOLVERS:
-                rival = self.at(_rival(solver))
-                if rival is not None:
-                    lines.append(
-                        f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) "
-                        f"takes {rival.median / own.median:.2f} times as long as the paper's, its "
-                        f"eigen-solution {_solve(rival) / _solve(own):.2f} times, its counted "
-                        f"operations {self.operations(solver):.2f} times."
-                    )
-        return lines
+        return lines if own is None else lines + [
+            f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) takes "
+            f"{rival.median() / own.median():.2f} times as long as the paper's, its eigen-solution "
+            f"{rival.median('solve') / own.median('solve'):.2f} times, its counted operations "
+            f"{self.operations(solver):.2f} times."
+            for solver, rival in self.rivals().items()
+        ]  # fmt: skip
 
     def operations(self, formulation: str, s: int = PAPER_ELEMENTS) -> float:
         """Return counted operations of a formulation in times of the paper's."""
@@ -282,17 +295,15 @@ def measure(
     timings = time_ways(bench, asked, [case], rounds, COUNT, yardsticks)
     yards = timings.yardsticks
     timings = replace(timings, yardsticks={**yards, FLOOR: yards[FLOOR] / MATRICES})
-    many = tuple(t for t in timings.timed if t.way in set(batch) or t.way.poses)
-    stand_in = next((t for t in timings.timed if t.way in whole), None)
     most = {t.way.model: t for t in timings.timed if t.way.poses > 1}
     plain = ratios(case, rounds, min((t.way.poses for t in most.values()), default=0))
     others = measured(case, COUNT, rounds)
     plainly = [loop if loop.settings else replace(loop, settings=PLAINLY) for loop in loops]
-    slowest = max((most[loop].median for loop in loops if loop in most), default=1.0)
+    slowest = max((most[loop].median() for loop in loops if loop in most), default=1.0)
     poses_a_core = min(poses_a_core, max(1, int(LONG_SHARE / slowest)))
     cores, failed = throughput(case, plainly, poses_a_core, COUNT, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
-    return Cost(case, theory, timings, many, stand_in, plain, tuple(cores), others)
+    return Cost(case, theory, timings, plain, tuple(cores), others)
 
 
 def run(request: Request, bench: Bench) -> Cost:
@@ -325,39 +336,10 @@ def _own_mesh(model: Named) -> Sequence[int]:
     return (info.refinements or info.ladder)[:1]
 
 
-def _rival(solver: str) -> str:
-    return Way(Named("multipliers", PAPER_ELEMENTS, (("solver", solver),))).method
-
-
-def _solve(t: Timed) -> float:
-    return t.solve or 0.0
-
-
-def _ms(seconds: float | None) -> Cell:
-    return "-" if seconds is None else Number(1e3 * seconds, 3)
-
-
-def _quartiles(values: Array, digits: int = 3) -> tuple[Number, ...]:
-    return tuple(Number(float(v), digits) for v in np.percentile(values, [25, 75]))
+def _quartiles(t: Timed) -> Array:
+    """Return the median, and the first and the third quartile of the seconds."""
+    return np.percentile(t.each("seconds"), [50, 25, 75])
 
 
 def _named(t: Timed) -> str:
     return f"{t.way.method}, s={t.way.size}"
-
-
-def _seconds(claim: str, said: float | None, t: Timed) -> tuple[Cell, ...]:
-    printed: Cell = "-" if said is None else Number(said, 2)
-    return (claim, "s", printed, Number(t.median, 4), _named(t))
-
-
-def _saved(said: float | None, own: Timed, rival: Timed) -> tuple[Cell, ...]:
-    printed: Cell = "-" if said is None else Number(said, 2)
-    rounds = min(len(own.seconds), len(rival.seconds))
-    saved = 100 * np.median(1 - own.seconds[:rounds] / rival.seconds[:rounds])
-    return (
-        f"cost saved against {_named(rival)}",
-        "%",
-        printed,
-        Number(float(saved), 2),
-        _named(own),
-    )

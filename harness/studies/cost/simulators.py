@@ -39,15 +39,15 @@ def simulators_table(timed: Sequence[Timed]) -> Table:
         if not own + sum(ours) or isinstance(t.way.model.elements, tuple):
             continue
         # What is named for nothing, and what the process takes to answer, is ours.
-        rest = t.median - own - sum(ours)
+        rest = t.median() - own - sum(ours)
         ratio: Cell = "-"
         if t.dofs and t.dofs <= LARGEST and t.phases[PROJECTION]:
             ratio = Number(t.phases[PROJECTION] / dense_seconds(t.dofs), 2)
         rows.append((
             label(t.way.model), t.way.model.info().program, "-" if t.dofs is None else t.dofs,
-            *(Number(1e3 * x, 2) for x in (t.median, own, *ours, rest)),
-            Number(100 * (t.median - own) / t.median, 1), ratio,
-            Number(1e3 * t.once[SIMULATOR], 1),
+            *(Number(1e3 * x, 2) for x in (t.median(), own, *ours, rest)),
+            Number(100 * (1 - own / t.median()), 1), ratio,
+            Number(1e3 * t.first.phases[SIMULATOR], 1),
         ))  # fmt: skip
     columns = (
         "Model", "Simulator", "dofs", "whole [ms]", f"{SIMULATOR} [ms]",

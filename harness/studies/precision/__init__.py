@@ -21,7 +21,8 @@ from harness.request import Option, Request, whole
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.tables import Cell, Number, Table
-from harness.timing import Timed, Timings, Way, time_ways
+from harness.timing import Spent, Timed, Timings, Way, time_ways
+from harness.unbeaten import unbeaten
 from reference_models import Named
 from reference_models.richardson import Richardson
 
@@ -120,11 +121,7 @@ class WorkPrecision(Result):
             p for p in self.points
             if np.isfinite(p.worst(kind, modes)) and (many is None or (p.poses > 1) == many)
         ]  # fmt: skip
-        found: list[Point] = []
-        for point in sorted(known, key=lambda p: (p.seconds, p.worst(kind, modes))):
-            if not found or point.worst(kind, modes) < found[-1].worst(kind, modes):
-                found.append(point)
-        return found
+        return unbeaten(known, lambda p: (p.seconds, p.worst(kind, modes)))
 
     def cheapest(self, kind: str, modes: int, target: float, many: bool) -> Point | None:
         """Return the fastest way that is surely within `target` [%], or None."""
@@ -223,7 +220,7 @@ def timed_rows(one: Timed, cases: Sequence[Case], timed: str) -> list[dict[str, 
         count = min(COUNT, len(answer.frequencies))
         chosen = settings(one.way.model, len(answer.frequencies), **how)
         rows += [
-            row | {"build_s": 0.0, "solve_s": one.median}
+            row | {"build_s": 0.0, "solve_s": one.median()}
             for row in mode_rows(case, label(one.way.model), chosen, answer, count)
         ]
     return rows
@@ -304,10 +301,12 @@ def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
             Richardson(_Mesh(a, x), _Mesh(b, y), info.order).modes(c.mechanism, c.pose, COUNT)  # type: ignore[arg-type]
             for c, x, y in zip(cases, coarse.answers, fine.answers, strict=True)
         )
-        rounds = min(len(coarse.seconds), len(fine.seconds))
-        seconds = coarse.seconds[:rounds] + fine.seconds[:rounds]
+        rounds = tuple(
+            Spent(x.seconds + y.seconds, np.nan, np.nan, answers)
+            for x, y in zip(coarse.rounds, fine.rounds, strict=False)
+        )
         model = replace(fine.way.model, elements=(a, b))  # type: ignore[type-var]
-        found.append(Timed(Way(model), seconds, np.empty(0), np.empty(0), answers))
+        found.append(Timed(Way(model), rounds[0], rounds))
     return found
 
 
@@ -318,7 +317,7 @@ def _point(
     own = None if limit is None else _errors(one, cases, study, limit, bench)
     solid = None if truth is None else _errors(one, cases, study, truth, bench)
     way = one.way
-    return Point(way.method, way.size, way.model, one.median, one.dofs, way.poses, own, solid)
+    return Point(way.method, way.size, way.model, one.median(), one.dofs, way.poses, own, solid)
 
 
 def _errors(

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import combinations, pairwise
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,17 +14,16 @@ from harness.bench import Bench
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
-from harness.studies.cost.figure import Point, panel, unbeaten
-from harness.studies.cost.growth import growth
+from harness.studies.cost.growth import exponent, grown
 from harness.studies.cost.ratios import plain_pair
 from harness.studies.cost.work import counted
 from harness.tables import Table
 from harness.timing import Timed, Way, time_ways
+from harness.unbeaten import unbeaten
 from reference_models import Named
 
 CASE = PRESETS["case2"]
 EULER = Named("euler-bernoulli", 3)
-NONE = np.empty(0)
 MECHANISMS = Path(__file__).parents[3] / "results/published/mechanisms.toml"
 
 
@@ -37,12 +36,11 @@ def cost() -> Cost:
 
 def test_modes_say_what_they_took_to_build_and_to_solve(cost: Cost) -> None:
     for t in cost.elements:
-        alone = t.way.poses > 0  # frequencies say nothing of it
-        assert (t.build is None) == (t.solve is None) == alone, t.way.method
-        assert alone or (t.build or 0) > 0 < (t.solve or 0)
+        assert t.median("build") > 0 < t.median("solve"), t.way.method
         # What is left of a call is of that call: parts of other calls could be longer than it.
-        assert (t.rest is None) == alone
-        assert alone or ((t.rests > 0).all() and (t.rests < t.seconds).all()), t.way.method
+        assert ((t.each("rest") > 0) & (t.each("rest") < t.each("seconds"))).all(), t.way.method
+    for t in cost.batches:  # frequencies say nothing of it
+        assert np.isnan([t.median(name) for name in ("build", "solve", "rest")]).all()
 
 
 def test_coordinates_are_counted(cost: Cost) -> None:
@@ -55,7 +53,7 @@ def test_ratios_are_to_the_same_round(cost: Cost) -> None:
     own = cost.at("euler-bernoulli")
     assert own is not None
     yard = cost.timings.yardsticks[YARDSTICK]
-    np.testing.assert_allclose(cost.ratios(own, YARDSTICK) * yard, own.seconds)
+    np.testing.assert_allclose(cost.ratios(own, YARDSTICK) * yard, own.each("seconds"))
     assert (cost.timings.yardsticks[FLOOR] < yard).all()
 
 
@@ -70,13 +68,18 @@ def test_meshes_that_a_simulator_cannot_have_are_left_out(cost: Cost) -> None:
 def test_growth_is_read_from_made_up_times(cost: Cost) -> None:
     own = next(t for t in cost.elements if t.way.method == "euler-bernoulli")
     made = tuple(
-        Timed(Way(replace(EULER, elements=s)), np.array([2e-5 * s**1.5]), NONE, NONE, own.answers)
-        for s in (1, 2, 4, 8, 16)
+        Timed(
+            way, own.first, (replace(own.first, seconds=2e-5 * (way.model.elements or 0) ** 1.5),)
+        )
+        for way in (Way(replace(EULER, elements=s)) for s in (1, 2, 4, 8, 16))
     )
-    (fit, *counts) = growth(made, (1, 2, 4, 8, 16), CASE)
-    assert fit.exponent == pytest.approx(1.5, abs=1e-9)
-    assert fit.sizes == (1, 2, 4, 8, 16)
-    assert {g.what for g in counts} == {"operations, dense", "operations, sparse"}
+    found = grown(made, (1, 2, 4, 8, 16), CASE)
+    sizes, slope, _ = exponent(found["euler-bernoulli", "time"])
+    assert slope == pytest.approx(1.5, abs=1e-9) and sizes == "1-16"
+    assert exponent(found["euler-bernoulli", "time"], 8)[0] == "-"  # two sizes give no line
+    assert {what for _, what in found} == {
+        "time", "solve time", "operations, dense", "operations, sparse",
+    }  # fmt: skip
 
 
 def test_counted_work_knows_no_machine(cost: Cost) -> None:
@@ -106,30 +109,16 @@ def test_what_users_meet(cost: Cost) -> None:
 
 
 def test_what_nothing_beats() -> None:
-    points = [Point(x, t, "", "") for x, t in ((1, 5.0), (2, 4.0), (2, 4.5), (4, 4.0), (8, 9.0))]
-    assert [(p.x, p.time) for p in unbeaten(points, more=True)] == [(4, 4.0), (8, 9.0)]
-    assert [(p.x, p.time) for p in unbeaten(points, more=False)] == [(1, 5.0), (2, 4.0)]
+    points = [(1, 5.0), (2, 4.0), (2, 4.5), (4, 4.0), (8, 9.0)]
+    assert unbeaten(points, lambda p: (p[1], -p[0])) == [(4, 4.0), (8, 9.0)]
+    assert unbeaten(points, lambda p: p) == [(1, 5.0), (2, 4.0)]
 
 
 def test_the_picture_names_what_nothing_beats_and_no_more(cost: Cost) -> None:
     for axes in cost.plot().axes:
-        names = [text.get_text() for text in axes.texts]
-        assert names and len(names) < 5
+        names = axes.get_legend_handles_labels()[1]
+        assert 0 < len(names) < 5 and len(set(names)) == len(names)
         assert len({line.get_color() for line in axes.lines}) == 2  # the front and the rest
-
-
-def test_names_of_neighbours_on_the_front_do_not_overlap() -> None:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(5.5, 5), layout="constrained")
-    axes = figure.subplots()
-    axes.set(xscale="log", yscale="log", xlim=(0.5, 300), ylim=(0.8, 2e4))
-    rows = {"euler-bernoulli": (3, 2.0), "euler-bernoulli[solver=dense]": (4, 2.1),
-            "multipliers[solver=null-space]": (8, 7.0), "exact": (128, 12.0)}  # fmt: skip
-    panel(axes, [Point(x, time, name, name) for name, (x, time) in rows.items()], "C0", more=True)
-    figure.draw_without_rendering()
-    for one, other in combinations([text.get_window_extent() for text in axes.texts], 2):
-        assert not one.overlaps(other)
 
 
 def test_somebody_elses_case_has_no_claims(cost: Cost) -> None:
