@@ -14,6 +14,7 @@ from analytic.workspace import heights
 from harness.bench import Bench, label
 from harness.causes import exact_chain
 from harness.plan import Plan
+from harness.poses import columns
 from harness.request import Option, Request, real
 from harness.result import Result
 from harness.studies.workspace.checks import (
@@ -103,17 +104,14 @@ class Workspace(Result):
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a pose and mode: z, azimuth, tilt, whether it is at the rim, frequency."""
-        data, grid, limits = self.map, self.map.grid, self.map.region.limits
-        more = {} if limits.x is None else {"x_m": limits.x, "y_m": limits.y}
-        more |= {"torsion_rad": limits.torsion} if limits.torsion else {}
-        where = np.argwhere(np.isfinite(data.frequencies[..., 0])).tolist()
+        data, grid = self.map, self.map.grid
+        where = np.nonzero(np.isfinite(data.frequencies[..., 0]))
+        poses = data.region.limits.held(grid.pose(*where))
+        rim, found = grid.rim[where[0]] == where[2], data.frequencies[where]
         for mode in sorted(self.shown):
-            for i, k, j in where:
-                yield {
-                    "model": label(data.model), "z_m": grid.z[i], "azimuth_rad": grid.azimuth[k],
-                    "tilt_rad": grid.tilt[i, j], **more, "rim": bool(j == grid.rim[i]),
-                    "mode": mode, "frequency_hz": data.frequencies[i, k, j, mode - 1],
-                }  # fmt: skip
+            for pose, last, f in zip(poses, rim.tolist(), found, strict=True):
+                yield {"model": label(data.model), **columns(pose), "rim": last, "mode": mode,
+                       "frequency_hz": f[mode - 1]}  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the layers, the azimuthal symmetry and the change with height."""

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import reachable
+from analytic import Pose, reachable
 from harness.bench import label
-from harness.studies.workspace.map import Region, WorkspaceMap, limits_said, named
+from harness.poses import named
+from harness.studies.workspace.map import ORDER, Region, WorkspaceMap, limits_met, limits_said
 from harness.tables import Cell, Number, Table
 
 Floats = NDArray[np.float64]
@@ -16,7 +17,6 @@ ROUNDING = 1e-9
 """Relative differences below this are the solvers' own."""
 SAMPLES = 20_000
 """Random poses by which the cone is checked to be reachable between its layers."""
-ORDER = "modes are numbered by order, from the lowest: where two cross, they change places"
 
 
 def ripple(data: WorkspaceMap) -> Floats:
@@ -45,15 +45,6 @@ def mirrored(data: WorkspaceMap) -> float:
     return _largest(f, f[:, -np.arange(f.shape[1])])
 
 
-def opposite(data: WorkspaceMap) -> float:
-    """Return the largest relative change from (azimuth, tilt) to (azimuth + 180 deg, -tilt).
-
-    The two are one pose, so this is the models' rounding; one pose a layer, at its rim.
-    """
-    layers = np.arange(len(data.grid.z))
-    return _largest(data.frequencies[layers, 1, data.grid.rim], data.opposite)
-
-
 def _largest(f: Floats, g: Floats) -> float:
     change = np.abs(g - f) / f
     return float(change[np.isfinite(change)].max(initial=0.0))
@@ -61,19 +52,18 @@ def _largest(f: Floats, g: Floats) -> float:
 
 def region_table(region: Region, data: WorkspaceMap, shown: Sequence[int]) -> Table:
     """Return each layer's circle, what limits it, the cone, and the range of frequencies in it."""
-    grid = data.grid
+    grid, limits = data.grid, region.limits
     rows: list[tuple[Cell, ...]] = []
     for k, z in enumerate(grid.z):
         cone = np.degrees(region.cone.radius(z))
         cells: list[Cell] = [Number(1000 * z, 1), Number(np.degrees(grid.radii[k]), 3)]
         cells += [Number(float(cone), 3) if cone > 0 else ""]
-        cells += [region.bound(z, grid.touch[k], grid.radii[k])]
+        cells += [limits_met(region.mechanism, limits, Pose(z, grid.touch[k], grid.radii[k]))]
         f = data.frequencies[k]
         for i in shown:
             found = f[..., i - 1][np.isfinite(f[..., i - 1])]
             cells += [Number(found.min(), 2), Number(found.max(), 2)] if found.size else ["", ""]
         rows.append(tuple(cells))
-    limits = region.limits
     said = limits_said(region.mechanism, limits)
     if limits.x is not None:
         said += f"; x = {1000 * limits.x:g} mm, y = {1000 * (limits.y or 0.0):g} mm everywhere"
@@ -108,7 +98,6 @@ def symmetry_table(data: WorkspaceMap, shown: Sequence[int]) -> Table:
         "ripple: (largest - smallest) / mean over azimuth, at one tilt and height",
         f"turn by {360 / limbs:g} deg: no frequency changes by more than {turned(data, limbs):.1e}",
         f"mirror about the first limb: no frequency changes by more than {mirrored(data):.1e}",
-        f"(azimuth + 180 deg, -tilt), the same pose: to {opposite(data):.1e}",
     )
     return Table(f"Circular symmetry: {label(data.model)}", columns, tuple(rows), notes)
 

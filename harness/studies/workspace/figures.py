@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from analytic.workspace import boundary
 from harness.bench import label
-from harness.figures import COLOURS
+from harness.figures import COLOURS, panels
 from harness.studies.workspace.checks import ripple
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap
 
@@ -63,13 +63,16 @@ def contour_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
 
     Seen from above: tilt outwards, azimuth round; the dots stand at the limbs' azimuths.
     """
-    rows, columns = len(shown), len(data.grid.z)
-    figure = Figure(figsize=(1.2 + 2.35 * columns, 0.6 + 2.95 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    title = (
+        f"{label(data.model)}: frequencies over azimuth $\\varphi$ and tilt $\\theta$; "
+        "every panel has its own scale; dots: azimuths of the limbs"
+    )
+    size = len(shown), len(data.grid.z)
+    figure, grid = panels(title, *size, (2.6, 3.1), sharex=True, sharey=True)
     edge = 1.12 * np.degrees(np.nanmax(data.grid.tilt))
     limbs = np.array([limb.base for limb in data.region.mechanism.limbs])
     towards = limbs[:, :2] / np.linalg.norm(limbs[:, :2], axis=1, keepdims=True)
-    for row, i in zip(panels, shown, strict=True):
+    for row, i in zip(grid, shown, strict=True):
         for k, axes in enumerate(row):
             x, y, f = _disc(data, k, i)
             rim = np.degrees(np.nanmax(data.grid.tilt[k]))
@@ -86,15 +89,10 @@ def contour_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
             axes.xaxis.set_major_locator(MaxNLocator(5, symmetric=True))
             axes.yaxis.set_major_locator(MaxNLocator(5, symmetric=True))
         row[0].set_ylabel(r"$\theta\,\sin\varphi$ [deg]", fontsize=9)
-    for k, axes in enumerate(panels[0]):
+    for k, axes in enumerate(grid[0]):
         axes.set_title(f"$z$ = {1000 * data.grid.z[k]:.0f} mm", fontsize=11)
-    for axes in panels[-1]:
+    for axes in grid[-1]:
         axes.set_xlabel(r"$\theta\,\cos\varphi$ [deg]", fontsize=9)
-    figure.suptitle(
-        f"{label(data.model)}: frequencies over azimuth $\\varphi$ and tilt $\\theta$; "
-        "every panel has its own scale; dots: azimuths of the limbs",
-        fontsize=11,
-    )
     return figure
 
 
@@ -103,10 +101,10 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
 
     The frequency's axis is logarithmic, so that equal shapes are equal relative changes.
     """
-    columns, rows = min(WIDE, len(shown)), math.ceil(len(shown) / WIDE)
-    figure = Figure(figsize=(5.6 * columns, 0.3 + 6.1 * rows), layout="constrained")
-    for panel, i in enumerate(shown, 1):
-        axes: Any = figure.add_subplot(rows, columns, panel, projection="3d", computed_zorder=False)
+    title = f"{label(data.model)}: frequencies by layer, each marked with its height $z$ [mm]"
+    kind = {"projection": "3d", "computed_zorder": False}
+    figure, every = _beside(title, len(shown), (5.6, 6.1), subplot_kw=kind)
+    for axes, i in zip(every, shown, strict=True):
         values = data.frequencies[..., i - 1]
         scale = LogNorm(np.nanmin(values), np.nanmax(values))
         order = np.argsort(np.nanmean(values, axis=(1, 2)))  # the farthest down are drawn first
@@ -128,33 +126,26 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
         axes.set_zlabel(f"$f_{{{i}}}$ [Hz]", labelpad=8)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(4, symmetric=True))
-        ticks = _round_numbers(np.nanmin(values), np.nanmax(values))
+        ticks = MaxNLocator(6, prune="both").tick_values(scale.vmin, scale.vmax)
         axes.set_zticks(np.log10(ticks), [f"{tick:g}" for tick in ticks])
         axes.view_init(elev=20, azim=-60)
         axes.set_box_aspect((1, 1, 1.15), zoom=0.92)
         bar = figure.colorbar(
             ScalarMappable(scale, COLOUR_MAP), ax=axes, location="bottom", shrink=0.7, pad=0.05
         )
-        bar.set_ticks(ticks.tolist(), labels=[f"{tick:g}" for tick in ticks])
+        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
         bar.minorticks_off()
         bar.set_label(f"$f_{{{i}}}$ [Hz]")
-    figure.suptitle(
-        f"{label(data.model)}: frequencies by layer, each marked with its height $z$ [mm]",
-        fontsize=11,
-    )
     return figure
 
 
 def ripple_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
     """Return how far from circularly symmetric each mode is: ripple against tilt, by layer."""
-    columns, rows = min(WIDE, len(shown)), math.ceil(len(shown) / WIDE)
-    figure = Figure(figsize=(1 + 3.6 * columns, 0.4 + 3.4 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    title = f"{label(data.model)}: ripple round circles of one tilt"
+    figure, every = _beside(title, len(shown), (3.8, 3.5), sharey=True)
     colours = mpl.colormaps[COLOUR_MAP](np.linspace(0.0, 0.9, len(data.grid.z)))
     wave = 100 * ripple(data)
-    for axes in panels.flat[len(shown) :]:
-        axes.remove()
-    for axes, i in zip(panels.flat, shown, strict=False):
+    for axes, i in zip(every, shown, strict=True):
         for k, colour in enumerate(colours):
             tilt = np.degrees(data.grid.tilt[k])
             height = f"{1000 * data.grid.z[k]:.0f} mm"
@@ -162,11 +153,18 @@ def ripple_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
         axes.set_title(f"$f_{{{i}}}$", fontsize=11)
         axes.set_xlabel(r"tilt $\theta$ [deg]")
         axes.grid(alpha=0.25)
-    for row in panels:
-        row[0].set_ylabel("(max - min) / mean over azimuth [%]")
-    panels[0, 0].legend(fontsize=8, title="height $z$", title_fontsize=8)
-    figure.suptitle(f"{label(data.model)}: ripple round circles of one tilt", fontsize=11)
+    for axes in every[::WIDE]:
+        axes.set_ylabel("(max - min) / mean over azimuth [%]")
+    every[0].legend(fontsize=8, title="height $z$", title_fontsize=8)
     return figure
+
+
+def _beside(title: str, count: int, size: tuple[float, float], **how: Any) -> tuple[Figure, Any]:
+    """Return a figure and `count` panels of it, so many side by side as is `WIDE`."""
+    figure, grid = panels(title, math.ceil(count / WIDE), min(WIDE, count), size, **how)
+    for axes in grid.flat[count:]:
+        axes.remove()
+    return figure, grid.flat[:count]
 
 
 def _disc(data: WorkspaceMap, layer: int, mode: int) -> tuple[Floats, Floats, Floats]:
@@ -186,12 +184,3 @@ def filled(axes: Axes, x: Floats, y: Floats, f: Floats) -> Any:
     axes.contour(x, y, masked, levels, colors="white", linewidths=0.4)
     axes.plot(x[:, -1], y[:, -1], color="0.3", lw=0.6)
     return drawn
-
-
-def _round_numbers(low: float, high: float) -> Floats:
-    """Return round numbers for a logarithmic axis from `low` to `high`, inside or at most one."""
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    steps = (1, 2, 3, 5) if high > 4 * low else (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)
-    ticks = np.sort(np.outer(decades, steps).ravel())
-    inside = ticks[(ticks >= low) & (ticks <= high)]
-    return inside if inside.size else np.array([low, high])

@@ -12,6 +12,7 @@ from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margi
 from harness.answer import Batch, BatchTask
 from harness.bench import Bench, label
 from harness.case import Case
+from harness.poses import named
 from harness.rows import MAP, mode_rows, settings
 from harness.workers import Failure
 
@@ -19,6 +20,7 @@ Floats = NDArray[np.float64]
 
 LEAST = 1e-3
 """A platform that tilts by less than this everywhere does not tilt [rad]."""
+ORDER = "modes are numbered by order, from the lowest: where two cross, they change places"
 PROFILE = 41
 """Heights at which the inscribed circles are found, from the lowest to the highest."""
 
@@ -59,10 +61,6 @@ class Region:
         """Return `number` heights over the cone, evenly, to whole millimetres inside it [m]."""
         low, high = 1000 * self.cone.z
         return np.round(np.linspace(np.ceil(low), np.floor(high), number)) / 1000
-
-    def bound(self, z: float, azimuth: float, tilt: float) -> str:
-        """Return the limit, or limits, met at a pose on the boundary."""
-        return limits_met(self.mechanism, self.limits, Pose(z, azimuth, tilt))
 
 
 def limits_met(mechanism: Mechanism, limits: Limits, pose: Pose) -> str:
@@ -181,8 +179,7 @@ class WorkspaceMap:
 
     Attributes: `region`; `grid`; `model`; `frequencies` (n, A, T, count) [Hz], ascending, NaN where
     there is no pose or the model failed: the i-th is the i-th lowest, so where modes cross they
-    change places; `answers` of the model at the poses of `grid.wanted`, in their order there;
-    `opposite`: frequencies (n, count) at (azimuth + 180 deg, -tilt) of one pose a layer.
+    change places; `answers` of the model at the poses of `grid.wanted`, in their order there.
     """
 
     region: Region
@@ -190,7 +187,6 @@ class WorkspaceMap:
     model: Model
     frequencies: Floats
     answers: Answers
-    opposite: Floats
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row a pose and mode for the history: a level platform once a layer."""
@@ -209,14 +205,11 @@ def workspace_map(
     wanted = grid.wanted
     where = np.nonzero(wanted)
     frequencies = np.full((*wanted.shape, count), np.nan)
-    held = region.limits.held
-    answers = solve(model, region.mechanism, held(grid.pose(*where)), count, bench)
+    poses = region.limits.held(grid.pose(*where))
+    answers = solve(model, region.mechanism, poses, count, bench)
     frequencies[where] = answers.frequencies
     frequencies[:, 1:, 0] = frequencies[:, :1, 0]
-    layers = np.arange(len(grid.z))
-    turned = Pose(grid.z, grid.azimuth[1] + np.pi, -grid.tilt[layers, grid.rim])
-    again = solve(model, region.mechanism, held(turned), count, bench).frequencies
-    return WorkspaceMap(region, grid, model, frequencies, answers, again)
+    return WorkspaceMap(region, grid, model, frequencies, answers)
 
 
 def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Bench) -> Answers:
@@ -245,9 +238,3 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
             frequencies[i] = modes.frequencies
         bench.listener.done(f"{label(model)} at {named(pose)}")
     return Answers(frequencies, tuple(answers), None, failures)
-
-
-def named(pose: Pose) -> str:
-    """Return a pose in words, to a tenth of a millimetre."""
-    azimuth, tilt = np.degrees([pose.azimuth, pose.tilt])
-    return f"z = {1000 * pose.z:.1f} mm, azimuth {azimuth:.2f} deg, tilt {tilt:.2f} deg"

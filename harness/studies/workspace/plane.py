@@ -17,7 +17,7 @@ from harness.poses import cells, columns, headings
 from harness.request import Option
 from harness.result import Result
 from harness.rows import PLANE
-from harness.studies.workspace.map import Answers, limits_met, limits_said, solve
+from harness.studies.workspace.map import ORDER, Answers, limits_met, limits_said, solve
 from harness.tables import Cell, Number, Table
 
 if TYPE_CHECKING:
@@ -161,7 +161,7 @@ class PlaneMap(Result):
         notes = (
             limits_said(mechanism, limits),
             f"nearest end, {1000 * ends.min():.2f} mm away: {met}",
-            "modes are numbered by order, from the lowest: where two cross, they change places",
+            ORDER,
         )
         title = f"{self.plane.case.name} over {' and '.join(self.plane.names)}: {label(self.model)}"
         heads = ("Mode", "", "f [Hz]", *headings(shown))
