@@ -6,7 +6,6 @@ from numbers import Integral, Real
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import STATIONS, Mechanism, Modes, Pose, limbs_at
 from analytic.errors import NotCertifiedError
@@ -15,11 +14,11 @@ from analytic.pairing import mass_vectors
 from analytic.placed import place
 from harness.causes import RICHEST
 from harness.declared import COARSE, SAME, STILL, alone, asked, available, keeps
+from harness.types import Array
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated
 
-Array = NDArray[np.float64]
 CLOSED = 1e-9
 """Largest gap of a joint, relative to the mean limb length (and at least in metres)."""
 TOGETHER = 1e-2

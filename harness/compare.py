@@ -11,8 +11,8 @@ from analytic.pairing import Pairing
 from harness.bench import Study, label
 from harness.case import Case
 from harness.tables import Number
+from harness.types import Array
 
-Array = NDArray[np.float64]
 PERCENT = 2
 """Decimals of an error in percent, as in Table I."""
 

@@ -14,9 +14,9 @@ from analytic.chain_models import held_modes
 from analytic.model import Info
 from analytic.pairing import mass_vectors, pair
 from analytic.theory import Theory
+from harness.types import Array
 from reference_models import ModelError
 
-Array = NDArray[np.float64]
 SPARE = 2
 """Further modes of the theory, for what a model has in the place of those it misses."""
 STILL = 1e-3

@@ -4,12 +4,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import STATIONS, Body, Link, Mechanism, Pose, Rod, limbs_at, position
 from analytic.placed import place
+from harness.types import Array
 
-Array = NDArray[np.float64]
 AMPLITUDE = 0.2
 """Largest displacement drawn, relative to the mean limb length."""
 LINK = 0.012

@@ -3,10 +3,9 @@
 import io
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from harness.types import Figure
 
 # Okabe and Ito's colours, told apart by every common kind of colour vision; markers repeat the
 # distinction, and differ in size because repeated modes lie on top of each other.
@@ -35,7 +34,7 @@ def panels(
     size: tuple[float, float],
     heads: Sequence[str] = (),
     **how: Any,
-) -> tuple["Figure", Any]:
+) -> tuple[Figure, Any]:
     """Return a figure with `title`, and its panels (rows, columns), each of `size` in inches.
 
     The panels of a row are called "(a) HEAD", "(b) HEAD" ... where there are `heads`.
@@ -57,7 +56,7 @@ def look(mode: int) -> dict[str, Any]:
             "label": f"$e_{{{mode}}}$"}  # fmt: skip
 
 
-def picture(figure: "Figure", form: str) -> bytes:
+def picture(figure: Figure, form: str) -> bytes:
     """Return `figure` as "svg", "png" or "pdf" bytes, without dates or random names."""
     data = io.BytesIO()
     with own_style():
@@ -65,6 +64,6 @@ def picture(figure: "Figure", form: str) -> bytes:
     return data.getvalue()
 
 
-def figure_files(figure: "Figure", stem: str, forms: Sequence[str] = FORMS) -> dict[str, bytes]:
+def figure_files(figure: Figure, stem: str, forms: Sequence[str] = FORMS) -> dict[str, bytes]:
     """Return `stem` in all `forms` as files to write."""
     return {f"{stem}.{form}": picture(figure, form) for form in forms}

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 from harness.bench import Study, label
 from harness.tables import Table
+from harness.types import Figure
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
 
 class Result:
@@ -33,7 +33,7 @@ class Result:
         """Return the tables by the ending of their files' names."""
         raise NotImplementedError
 
-    def figures(self) -> Mapping[str, "Figure"]:
+    def figures(self) -> Mapping[str, Figure]:
         """Return the figures by the ending of their files' names."""
         return {}
 
@@ -73,7 +73,7 @@ class Result:
         """Return the first of `tables`."""
         return next(iter(self.tables().values()))
 
-    def plot(self) -> "Figure | None":
+    def plot(self) -> Figure | None:
         """Return the first of `figures`, or None where there is none."""
         from harness.figures import own_style
 

@@ -12,18 +12,17 @@ from timeit import timeit
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Mechanism, Modes, Pose
 from analytic.model import Model
 from analytic.pose import closes
 from harness.bench import Bench, label
 from harness.case import Case
+from harness.types import Array
 from harness.workers import Failure
 from reference_models import UnavailableError
 from reference_models.spent import recorded
 
-Array = NDArray[np.float64]
 Places = tuple[tuple[Mechanism, Pose], ...]
 
 LONG = 0.5

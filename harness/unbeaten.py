@@ -3,10 +3,9 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from string import ascii_lowercase
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from harness.types import Axes
 
 T = TypeVar("T")
 
@@ -31,14 +30,14 @@ class Point:
     curve: str = ""
 
 
-def draw_rest(axes: "Axes", points: Sequence[Point]) -> None:
+def draw_rest(axes: Axes, points: Sequence[Point]) -> None:
     """Draw all points faintly, those of a curve joined."""
     for curve in dict.fromkeys(p.curve for p in points):
         own = sorted((p.x, p.y) for p in points if p.curve == curve)
         axes.plot(*zip(*own, strict=True), "o-" if curve else "o", color="0.82", ms=3, lw=0.8)
 
 
-def draw_front(axes: "Axes", points: Sequence[Point], colour: str, **how: Any) -> None:
+def draw_front(axes: Axes, points: Sequence[Point], colour: str, **how: Any) -> None:
     """Draw what nothing beats, joined; a letter beside each point stands for its name below."""
     axes.plot([p.x for p in points], [p.y for p in points], color=colour, lw=1.4, **how)
     begun = len(axes.get_legend_handles_labels()[1])

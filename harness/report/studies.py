@@ -90,7 +90,7 @@ def _budget(run: Material, one: Budget) -> Json:
         cases[case.name] = {
             "shares": digits(shares[:, :, pick], 8),
             "total": digits(shares.sum(axis=1)[:, pick], 8),
-            "band": digits(one.bands[case][one.reference][pick], 4),
+            "band": digits(one.band(case, one.reference)[pick], 4),
             "records": records,
         }
     return {

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError
 from analytic.theory import BEAMS
@@ -30,12 +29,9 @@ from harness.request import Request
 from harness.result import Result
 from harness.studies.refinement import Ladder, Verification, ladder, verified
 from harness.tables import Cell, Table
+from harness.types import Array, Figure
 from reference_models import Named, parse
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 DEFAULTS = {"elements": "1-4"}
 ELEMENTS = "number of elements"
 """The first part: what vanishes as s grows."""
@@ -107,25 +103,24 @@ class Budget(Result):
 
     @cached_property
     def seen(self) -> dict[Case, dict[Named, list[Verification | None]]]:
-        """What the simulators' meshes say by case and simulator, in the theory's order of modes."""
-        known = {model: verified(self.study, steps) for model, steps in self.ladders.items()}
-        found: dict[Case, dict[Named, list[Verification | None]]] = {}
-        for case in self.shares:
-            own = found.setdefault(case, {})
-            for model in self.simulators:
-                steps = self.ladders.get(model, ())
-                pairing = steps and self.study.pairing(case, self.discrete[-1], steps[-1])
-                partner = pairing.partner.tolist() if pairing else [-1] * self.study.count
-                own[model] = [known[model].get((case, i + 1)) if pairing else None for i in partner]
-        return found
+        """What the simulators' meshes say by case and simulator, in the theory's order of modes.
 
-    @cached_property
-    def bands(self) -> dict[Case, dict[Named, Array]]:
-        """The GCI of every simulator by case, (count,) [%]; NaN where it has no three meshes."""
-        return {
-            case: {m: np.array([s.band if s else np.nan for s in seen]) for m, seen in own.items()}
-            for case, own in self.seen.items()
-        }
+        None where a simulator has no three meshes, or one of them failed.
+        """
+        known = {model: verified(self.study, steps) for model, steps in self.ladders.items()}
+
+        def seen(case: Case, model: Named) -> list[Verification | None]:
+            steps = self.ladders.get(model)
+            pairing = steps and self.study.pairing(case, self.discrete[-1], steps[-1])
+            if not pairing:
+                return [None] * self.study.count
+            return [known[model].get((case, i + 1)) for i in pairing.partner.tolist()]
+
+        return {case: {m: seen(case, m) for m in self.simulators} for case in self.shares}
+
+    def band(self, case: Case, model: Named) -> Array:
+        """Return the GCI of a simulator, (count,) [%]; NaN where it has no three meshes."""
+        return np.array([one.band if one else np.nan for one in self.seen[case][model]])
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, s, mode and part, and the reference's own GCI."""
@@ -137,7 +132,7 @@ class Budget(Result):
                             "case": case.name, "theory": self.theory.name,
                             "reference": self.reference.label, "elements": s, "mode": i,
                             "part": part, "share_percent": share[i - 1],
-                            "reference_gci_percent": self.bands[case][self.reference][i - 1],
+                            "reference_gci_percent": self.band(case, self.reference)[i - 1],
                         }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
@@ -148,8 +143,8 @@ class Budget(Result):
                 every = (*zip(self.parts, table, strict=True), ("total error", table.sum(axis=0)))
                 for part, share in every:
                     rows.append((case.name, s, part, *cells(at(share, self.shown), 3, signed=True)))
-            for model, own in self.bands[case].items():
-                known = cells(at(own, self.shown), 3, none="not known")
+            for model in self.simulators:
+                known = cells(at(self.band(case, model), self.shown), 3, none="not known")
                 whose = "reference's" if model == self.reference else f"{model.label}'s"
                 rows.append((case.name, "", f"{whose} own GCI, +-", *known))
         return {"": Table(
@@ -167,18 +162,15 @@ class Budget(Result):
             for mesh in self.discrete:
                 yield from pairing_notes(self.study, case, mesh, self.reference, self.shown)
             for model, seen in self.seen[case].items():
-                remarks: dict[str, list[str]] = {}
-                for i in self.shown:
-                    one = seen[i - 1]
-                    if one and one.remark:
-                        remarks.setdefault(one.remark, []).append(f"f{i}")
-                for remark, modes in remarks.items():
-                    yield f"{case.name}: GCI of {model.label}: {', '.join(modes)} {remark}"
+                said = {i: one.remark for i in self.shown if (one := seen[i - 1])}
+                for remark in filter(None, dict.fromkeys(said.values())):
+                    modes = ", ".join(f"f{i}" for i, own in said.items() if own == remark)
+                    yield f"{case.name}: GCI of {model.label}: {modes} {remark}"
         for model, steps in self.ladders.items():
             numbers = ", ".join(str(mesh.elements) for mesh in steps)
             yield f"GCI of {model.label}: grid convergence index from {numbers} elements"
 
-    def figures(self) -> "dict[str, Figure]":
+    def figures(self) -> dict[str, Figure]:
         """Return the parts as stacked bars."""
         return {"": budget_figure(self)} if self.shares else {}
 
@@ -189,10 +181,9 @@ class Budget(Result):
         k = self.elements.index(PAPER_ELEMENTS)
         # The paper's modes come in two kinds: the platform moves, or the limbs bend.
         halves = [[i for i in self.shown if (i <= 3) == low] for low in (True, False)]
+        table = np.array([shares[k] for shares in self.shares.values()])
         known = {
-            f"f{half[0]}" if len(half) == 1 else f"f{half[0]}-f{half[-1]}": at(
-                np.array([table[k] for table in self.shares.values()]), half
-            )
+            f"f{half[0]}" if len(half) == 1 else f"f{half[0]}-f{half[-1]}": at(table, half)
             for half in halves if half
         }  # fmt: skip
         parts = "; ".join(
@@ -200,7 +191,8 @@ class Budget(Result):
             + " and ".join(f"{span(v[:, p], signed=True)} on {on}" for on, v in known.items())
             for p, part in enumerate(self.parts)
         )
-        own = at(np.array([bands[self.reference] for bands in self.bands.values()]), self.shown)
+        bands = np.array([self.band(case, self.reference) for case in self.shares])
+        own = at(bands, self.shown)
         said = "not known" if np.isnan(own).any() else at_most(float(own.max()))
         ours = self.discrete[k].label
         return [
@@ -250,7 +242,7 @@ def jobs(plan: Plan) -> dict[str, Request]:
     }
 
 
-def budget_figure(result: Budget) -> "Figure":
+def budget_figure(result: Budget) -> Figure:
     """Return stacked bars, one a mode and s, a panel a case; a mark with its value is the total."""
     title = (
         f"Error of {result.theory.name} with s elements a limb against {result.reference.label}, "
@@ -260,7 +252,7 @@ def budget_figure(result: Budget) -> "Figure":
     figure, (row,) = panels(title, 1, len(heads), (6.8, 4.6), heads, sharey=True)
     width, place = 0.84 / len(result.elements), np.arange(len(result.shown))
     for axes, (case, shares) in zip(row, result.shares.items(), strict=True):
-        own = at(result.bands[case][result.reference], result.shown)
+        own = at(result.band(case, result.reference), result.shown)
         ticks: list[float] = []
         for k, table in enumerate(np.nan_to_num(at(shares, result.shown))):
             where, total = place + (k - (len(result.elements) - 1) / 2) * width, table.sum(axis=0)

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.bench import Bench, Study
 from harness.case import Case
@@ -25,12 +24,9 @@ from harness.request import Request
 from harness.result import Result
 from harness.studies.refinement import MESHES, ROUNDING, Family
 from harness.tables import Cell, Number, Table
+from harness.types import Array, Figure
 from reference_models import Named
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 DEFAULTS = {"elements": "1-8"}
 EACH_REFERENCE = True
 LADDER = (1, 2, 4, 8, 16)
@@ -148,7 +144,7 @@ class Convergence(Result):
             ("rounding: the error is below 1e-10 of the frequency, no order can be read",),
         )
 
-    def figures(self) -> dict[str, "Figure"]:
+    def figures(self) -> dict[str, Figure]:
         """Return Fig. 3: error against s, one panel a case."""
         return {"": convergence_figure(self)}
 
@@ -186,7 +182,7 @@ def jobs(plan: Plan) -> dict[str, Request]:
     return found
 
 
-def convergence_figure(result: Convergence) -> "Figure":
+def convergence_figure(result: Convergence) -> Figure:
     """Return Fig. 3: error against s, one panel a case, (a), (b) ...; stars: printed values.
 
     Against the theory's own limit the axes are logarithmic, and a line shows the formal order.

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
@@ -19,13 +18,9 @@ from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
 from harness.tables import Number, Table
+from harness.types import Array, Axes, Figure
 from reference_models import Named
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 OUTPUT = "shapes"
 MARKS: dict[str, dict[str, Any]] = {
     "R": {"marker": "o", "ms": 4.0, "mfc": "w"},
@@ -91,7 +86,7 @@ class Shapes(Result):
         title = f"Mode shapes of {self.theory.label} and their partners"
         return {"": Table(title, columns, rows, notes)}
 
-    def figures(self) -> "dict[str, Figure]":
+    def figures(self) -> dict[str, Figure]:
         """Return the modes of every case, and the assurance of every mode against every one."""
         drawn = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
         return drawn | {
@@ -159,7 +154,7 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
     return Turned(theirs.frequencies[place], platform, limbs)
 
 
-def shapes_figure(result: Shapes, case: Case) -> "Figure":
+def shapes_figure(result: Shapes, case: Case) -> Figure:
     """Return one row of pictures a model, one column a mode, all of one size and view."""
     from matplotlib.figure import Figure
 
@@ -191,7 +186,7 @@ def shapes_figure(result: Shapes, case: Case) -> "Figure":
     return figure
 
 
-def rest_figure(case: Case) -> "Figure":
+def rest_figure(case: Case) -> Figure:
     """Return the mechanism of a case at rest."""
     from matplotlib.figure import Figure
 
@@ -203,7 +198,7 @@ def rest_figure(case: Case) -> "Figure":
     return figure
 
 
-def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None:
+def draw_mode(axes: Axes, there: Drawn, modes: Modes | Turned, i: int) -> None:
     """Draw mode `i` over the outline of the mechanism at rest."""
     enlarged = float(scale(there, modes.limbs[i]))
     for line in (*there.limbs(), there.centre + there.rim()):
@@ -211,7 +206,7 @@ def draw_mode(axes: "Axes", there: Drawn, modes: Modes | Turned, i: int) -> None
     draw(axes, there, enlarged * modes.platform[i], enlarged * modes.limbs[i])
 
 
-def draw(axes: "Axes", there: Drawn, platform: Array, limbs: Array | float) -> None:
+def draw(axes: Axes, there: Drawn, platform: Array, limbs: Array | float) -> None:
     """Draw a mechanism moved by so much; what is nearer hides what is not."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgb
@@ -233,7 +228,7 @@ def draw(axes: "Axes", there: Drawn, platform: Array, limbs: Array | float) -> N
     axes.autoscale_view()
 
 
-def draw_marks(axes: "Axes", there: Drawn, limbs: Array | float, platform: Array) -> None:
+def draw_marks(axes: Axes, there: Drawn, limbs: Array | float, platform: Array) -> None:
     """Draw joints and bodies by their kind, rails of sliders, and the platform's centre of mass."""
     for base, start in zip(there.bases, there.starts, strict=True):
         if np.abs(start - base).max() > 1e-9:
@@ -246,7 +241,7 @@ def draw_marks(axes: "Axes", there: Drawn, limbs: Array | float, platform: Array
     axes.plot(x, y, marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=5)
 
 
-def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match) -> "Figure":
+def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match) -> Figure:
     """Return the assurance criterion of every mode against every one."""
     from matplotlib.figure import Figure
 

@@ -3,10 +3,9 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Mechanism, Rod, Section, limbs_at
 from analytic.mechanism import Item
@@ -20,12 +19,9 @@ from harness.presets import SOLIDS, quick
 from harness.request import Request
 from harness.result import Result
 from harness.tables import Cell, Number, Table
+from harness.types import Array, Figure
 from reference_models import Named
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 TAKES = ("cases", "case_file", "references", "modes", "shear")
 DEFAULTS = {"references": SOLIDS[0]}
 RATIOS = (0.05, 0.1, 0.15, 0.2)
@@ -92,7 +88,7 @@ class Slenderness(Result):
             (about, *failure_notes(self.study)),
         )}  # fmt: skip
 
-    def figures(self) -> "dict[str, Figure]":
+    def figures(self) -> dict[str, Figure]:
         """Return error against d/L: a row of panels a theory, a column a case."""
         title = f"Beam theory without elements against {self.reference.label}"
         size = len(self.theories), len(self.cases)
@@ -119,12 +115,17 @@ class Slenderness(Result):
         lines = []
         for theory in reversed(self.theories):
             for k in dict.fromkeys((0, len(self.ratios) - 1)):
-                errors = at(np.array([self.errors[case, theory][k] for case in self.cases]),
-                            self.shown)  # fmt: skip
-                sure = at(np.array([self.uncertainty[case][k] for case in self.cases]), self.shown)
-                if np.isfinite(errors).any():
-                    place = int(np.nanargmax(np.abs(errors)))
-                    worst, own = abs(errors.flat[place]), sure.flat[place]
+                known = [
+                    (abs(error), own)
+                    for case in self.cases
+                    for error, own in zip(
+                        at(self.errors[case, theory][k], self.shown),
+                        at(self.uncertainty[case][k], self.shown), strict=True,
+                    )
+                    if np.isfinite(error)
+                ]  # fmt: skip
+                if known:
+                    worst, own = max(known, key=lambda pair: pair[0])
                     bar = f" +-{own:.1g}" if np.isfinite(own) else ""
                     lines.append(
                         f"At d/L = {self.ratios[k]:g} exact {theory.name} lies within "

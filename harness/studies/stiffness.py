@@ -1,16 +1,16 @@
 """Static stiffness at the platform: how much, of which part, and over any poses."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Joint, Limits, Mechanism, Pose, Rod, Stiffness, stiffness
 from harness.bench import Bench
 from harness.case import Case
+from harness.compare import cells as numbers
 from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.poses import cells, columns, headings, named, used
@@ -18,13 +18,12 @@ from harness.request import Option, Request
 from harness.result import Result
 from harness.studies.workspace.plane import MANY, OPTION, Plane
 from harness.tables import Cell, Number, Table
+from harness.types import Array, Figure
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 TAKES = ("cases", "case_file", "shear")
 LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
+SHOWN = np.repeat([1e-6, 1e-3], 3)
+"""N/um and kN m/rad in SI."""
 MOST_POSES = 20_000
 OPTIONS = (
     Option("poses", "SET", "Poses of a map, as `sweep` takes them; default none.", None, str),
@@ -33,15 +32,6 @@ OPTIONS = (
 
 ROUNDING = 1e-10
 """An entry below this part of its diagonals' mean is none: rounding, another on every machine."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """Like parts of a mechanism: `name`, of `number` limbs, and their `which` in `Stiffness`."""
-
-    name: str
-    number: int
-    which: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -66,8 +56,9 @@ class Stiffnesses(Result):
     maps: tuple[Map, ...]
 
     @cached_property
-    def parts(self) -> dict[Case, tuple[Part, ...]]:
-        """Like parts of every case: equal items at the same place of equal chains."""
+    def parts(self) -> dict[Case, dict[str, list[int]]]:
+        """Like parts of every case by name, and which they are in `Stiffness`: equal items at the
+        same place of equal chains."""
         return {case: _parts(case.mechanism, found) for case, found in self.found.items()}
 
     def records(self) -> Iterator[dict[str, Any]]:
@@ -97,30 +88,27 @@ class Stiffnesses(Result):
         return tables | ({"-map": self._map()} if self.maps else {})
 
     def _summary(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
-        for case, found in self.found.items():
-            alone = 1 / np.diag(found.compliance)
-            least, turning = found.softest()[0], found.softest(turns=True)[0]
-            rows.append((
-                case.name, *_scaled(alone), Number(1e-6 * least, 3), _softest(found),
-                Number(1e-3 * turning, 3), _softest(found, turns=True),
-            ))  # fmt: skip
+        rows = tuple(
+            (case.name, *numbers(SHOWN / np.diag(found.compliance), 3),
+             Number(1e-6 * found.softest()[0], 3), _softest(found),
+             Number(1e-3 * found.softest(turns=True)[0], 3), _softest(found, turns=True))
+            for case, found in self.found.items()
+        )  # fmt: skip
         heads = ("Case", *LOADS, "least", "along", "least turning", "about")
         notes = (
             "N/um to a force at o alone, kN m/rad to a moment alone, the platform free to follow: "
             "1 / compliance; rods are sheared beams, for which one element is exact at rest",
         )
-        return Table("Static stiffness at the platform", heads, tuple(rows), notes)
+        return Table("Static stiffness at the platform", heads, rows, notes)
 
     def _shares(self) -> Table:
         rows: list[tuple[Cell, ...]] = []
         for case, found in self.found.items():
             soft, turning = found.softest()[2], found.softest(turns=True)[2]
-            for part in self.parts[case]:
-                which = list(part.which)
-                shares = (*found.shares[which].sum(axis=0), soft[which].sum(), turning[which].sum())
-                rows.append((case.name, part.name, part.number,
-                             *(Number(100 * float(share), 1) for share in shares)))  # fmt: skip
+            every = 100 * np.column_stack([found.shares, soft, turning])
+            for name, which in self.parts[case].items():
+                limbs = len({found.parts[k][0] for k in which})
+                rows.append((case.name, name, limbs, *numbers(every[which].sum(axis=0), 1)))
         heads = ("Case", "Part", "Limbs", *LOADS, "softest force", "softest moment")
         notes = ("every column of a case sums to 100",)
         return Table("Who gives way: share of the compliance [%]", heads, tuple(rows), notes)
@@ -148,17 +136,16 @@ class Stiffnesses(Result):
         about = f"over {len(self.maps[0].force)} poses, the softest direction at each"
         return Table("Stiffness over the poses", heads, tuple(rows), (about,))
 
-    def figures(self) -> "dict[str, Figure]":
+    def figures(self) -> dict[str, Figure]:
         """Return every part's share of the softest compliance, and the maps."""
         figure, grid = panels(
             "Share of the compliance in the softest direction", 1, len(self.found), (4.2, 3.0)
         )
         for axes, (case, found) in zip(grid[0], self.found.items(), strict=True):
-            soft, parts = found.softest()[2], self.parts[case][::-1]
-            sizes = [100 * float(soft[list(part.which)].sum()) for part in parts]
-            axes.barh([part.name for part in parts], sizes, color=COLOURS[0])
-            middle, half = (len(parts) - 1) / 2, max(len(parts), 4) / 2  # one bar is no wall
-            axes.set(xlim=(0, 100), ylim=(middle - half, middle + half), xlabel="share [%]")
+            sizes = _sizes(found, self.parts[case])
+            axes.barh(list(sizes), list(sizes.values()), color=COLOURS[0])
+            middle, half = (len(sizes) - 1) / 2, max(len(sizes), 4) / 2  # one bar is no wall
+            axes.set(xlim=(0, 100), ylim=(middle + half, middle - half), xlabel="share [%]")
             axes.set_title(case.heading, fontsize=10)
         return {"": figure} | ({"-map": _map_figure(self.maps)} if self.maps else {})
 
@@ -166,12 +153,12 @@ class Stiffnesses(Result):
         """Return where each case is softest, and which part to stiffen first."""
         lines = []
         for case, found in self.found.items():
-            least, _, soft = found.softest()
-            sizes = {p.name: float(soft[list(p.which)].sum()) for p in self.parts[case]}
+            sizes = _sizes(found, self.parts[case])
             first = max(sizes, key=lambda name: sizes[name])
             lines.append(
-                f"{case.name} is softest along {_softest(found)} with {1e-6 * least:.4g} "
-                f"N/um; {100 * sizes[first]:.0f} % of that is {first}: stiffen it first."
+                f"{case.name} is softest along {_softest(found)} with "
+                f"{1e-6 * found.softest()[0]:.4g} N/um; {sizes[first]:.0f} % of that is {first}: "
+                "stiffen it first."
             )
         for one in self.maps:
             k = int(one.force.argmin())
@@ -183,9 +170,9 @@ class Stiffnesses(Result):
         return lines
 
 
-def _scaled(values: Array) -> list[Number]:
-    return [Number(float(v) * unit, 3) for v, unit in zip(values, [1e-6] * 3 + [1e-3] * 3,
-                                                          strict=True)]  # fmt: skip
+def _sizes(found: Stiffness, parts: Mapping[str, list[int]]) -> dict[str, float]:
+    """Return the share of like parts in the softest compliance [%]."""
+    return {name: 100 * float(found.softest()[2][which].sum()) for name, which in parts.items()}
 
 
 def _softest(found: Stiffness, *, turns: bool = False) -> str:
@@ -204,15 +191,12 @@ def _direction(unit: Array) -> str:
     return "(" + ", ".join(f"{value + 0.0:.2f}" for value in np.round(unit, 2)) + ")"
 
 
-def _parts(mechanism: Mechanism, found: Stiffness) -> tuple[Part, ...]:
+def _parts(mechanism: Mechanism, found: Stiffness) -> dict[str, list[int]]:
     groups: dict[tuple[int, str], list[int]] = {}
     for k, (limb, item, what) in enumerate(found.parts):
         thing = mechanism.limbs[limb - 1].chain[item - 1]
         groups.setdefault((item, part_name(item, what, thing)), []).append(k)
-    return tuple(
-        Part(name, len({found.parts[k][0] for k in which}), tuple(which))
-        for (_, name), which in sorted(groups.items())
-    )
+    return {name: which for (_, name), which in sorted(groups.items())}
 
 
 def part_name(item: int, what: str, thing: object) -> str:
@@ -227,7 +211,7 @@ def part_name(item: int, what: str, thing: object) -> str:
     return f"rod of {size} mm (item {item})"
 
 
-def _map_figure(maps: tuple[Map, ...]) -> "Figure":
+def _map_figure(maps: tuple[Map, ...]) -> Figure:
     figure, grid = panels("Stiffness in the softest direction", 1, len(maps), (4.6, 3.4))
     for axes, one in zip(grid[0], maps, strict=True):
         axes.set_title(one.case.heading, fontsize=10)

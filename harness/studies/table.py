@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic.model import Model
 from harness.bench import Bench, Study, label
@@ -35,8 +34,8 @@ from harness.printed import against_paper, printed_table
 from harness.request import Request
 from harness.result import Result
 from harness.tables import Cell, Number, Table
+from harness.types import Array
 
-Array = NDArray[np.float64]
 Rows = Iterator[tuple[Cell, ...]]
 STEM = "table1"
 DEFAULTS = {"references": "usual"}

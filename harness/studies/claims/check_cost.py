@@ -9,7 +9,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from harness.studies.claims.data import Args, Outcome, outcome
-from harness.studies.claims.facts import PAPER, Facts, Floats, Spent
+from harness.studies.claims.facts import PAPER, Facts, Spent
+from harness.types import Array
 
 RIVALS = {
     "saddle-point": "keeps its multipliers as unknowns",
@@ -17,7 +18,7 @@ RIVALS = {
 }
 
 
-def _quartiles(values: Floats, unit: str) -> tuple[float, str]:
+def _quartiles(values: Array, unit: str) -> tuple[float, str]:
     """Return the median, and in words the quartiles."""
     low, middle, high = (float(v) for v in np.percentile(values, [25, 50, 75]))
     return middle, f"{low:.4g} to {high:.4g}{unit} (quartiles of {len(values)} rounds)"

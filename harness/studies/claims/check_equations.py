@@ -6,7 +6,8 @@ import numpy as np
 
 from harness.studies.claims.data import RULES, Args, Outcome, outcome
 from harness.studies.claims.equations import PHI, STEP
-from harness.studies.claims.facts import PAPER, Facts, Floats
+from harness.studies.claims.facts import PAPER, Facts
+from harness.types import Array
 
 
 def _vanish(*fields: str) -> Callable[[Facts, Args], Outcome]:
@@ -79,7 +80,7 @@ def base_angles(facts: Facts, args: Args) -> Outcome:
     return outcome(largest <= RULES.agrees_percent, words=words)
 
 
-def _zero(facts: Facts, smallest: Floats) -> str:
+def _zero(facts: Facts, smallest: Array) -> str:
     """Return the headings [deg] at which a denominator vanishes, in words."""
     zero = np.degrees(facts.equations.headings[smallest <= RULES.exact])
     return ", ".join(f"{angle:.0f}" for angle in zero)

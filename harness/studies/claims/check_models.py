@@ -14,9 +14,9 @@ from harness.studies.claims.facts import (
     STEPS,
     THEORIES,
     Facts,
-    Floats,
     Reference,
 )
+from harness.types import Array
 from reference_models import Named
 
 EFFECTS = ("number of elements", "rotary inertia", "shear", "Timoshenko to reference")
@@ -158,7 +158,7 @@ def slender(facts: Facts, args: Args) -> Outcome:
     return outcome(gaps[0] <= RULES.agrees_percent, gaps=gaps, ratios=facts.slender.ratios[[0, -1]])
 
 
-def _within(facts: Facts, gaps: Floats, limit: float) -> Outcome:
+def _within(facts: Facts, gaps: Array, limit: float) -> Outcome:
     """Is the gap at most `limit` [%] for the printed rods, and else below which d/L is it?"""
     ratios = facts.slender.ratios
     # The gap grows as a power of d/L: straight between neighbours on logarithms.
@@ -168,7 +168,7 @@ def _within(facts: Facts, gaps: Floats, limit: float) -> Outcome:
     return outcome(gaps[-1] <= limit, otherwise, gaps=gaps[ends], ratios=ratios[ends], ratio=ratio)
 
 
-def _percent(value: Any, against: Any) -> Floats:
+def _percent(value: Any, against: Any) -> Array:
     return np.asarray(100 * (np.asarray(value) / against - 1))
 
 
@@ -176,7 +176,7 @@ def _off(value: float, quoted: float) -> str:
     return f"{100 * (value / quoted - 1):+.2f} %"
 
 
-def _error(facts: Facts, reference: Reference, case: str, model: Named) -> Floats:
+def _error(facts: Facts, reference: Reference, case: str, model: Named) -> Array:
     """Return the model's error and the reference's own uncertainty, (2, 6) [%]."""
     f = reference.hertz[case]
     own = 100 * reference.uncertainty[case] / f

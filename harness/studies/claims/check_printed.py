@@ -6,7 +6,8 @@ from analytic import InputError
 from harness.case import Case
 from harness.paper import ERROR, FEA, THEORETICAL, Printed
 from harness.studies.claims.data import CASES, RULES, Args, Outcome, outcome
-from harness.studies.claims.facts import Facts, Floats
+from harness.studies.claims.facts import Facts
+from harness.types import Array
 from reference_models import parse
 
 EDGE = 1e-9
@@ -14,7 +15,7 @@ EDGE = 1e-9
 INSIDE = RULES.rounding + EDGE
 
 
-def _rows_error(facts: Facts, case: str) -> tuple[Floats, Floats]:
+def _rows_error(facts: Facts, case: str) -> tuple[Array, Array]:
     """Return 100 (t - f) / f of the printed rows and what their own rounding does to it [%]."""
     t, f = (np.array(facts.printed.table[case, method]) for method in (THEORETICAL, FEA))
     return 100 * (t - f) / f, 100 * (1 + t / f) / f * RULES.rounding
@@ -74,7 +75,7 @@ def blocks(facts: Facts, args: Args) -> Outcome:
     )
 
 
-def _linear(widths: Floats) -> str:
+def _linear(widths: Array) -> str:
     """Return a s + b in words."""
     a, b = (int(n) for n in widths)
     if not a:

@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
 from harness.case import Case
+from harness.types import Array
 
-Floats = NDArray[np.float64]
 SIZES = range(1, 9)
 """Numbers of elements whose matrices are counted."""
 PHI, THETA = np.radians([10.0, -12.0])
@@ -24,7 +23,7 @@ STEP = 1e-4
 """Rotation by which Eq. (10) is differentiated, centrally [rad]."""
 
 
-def printed_rotation(phi: Floats, theta: Floats) -> Floats:
+def printed_rotation(phi: Array, theta: Array) -> Array:
     """Return R of Eq. (1), letter by letter, shape (n, 3, 3)."""
     c, s, ct, st = np.cos(phi), np.sin(phi), np.cos(theta), np.sin(theta)
     mixed = c * ct * s - s * c
@@ -36,7 +35,7 @@ def printed_rotation(phi: Floats, theta: Floats) -> Floats:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def printed_position(r2: float, phi: Floats, theta: Floats) -> tuple[Floats, Floats]:
+def printed_position(r2: float, phi: Array, theta: Array) -> tuple[Array, Array]:
     """Return x and y of Eq. (2), each (n,) [m]."""
     ct = np.cos(theta)
     return r2 * (ct - 1) * np.cos(2 * phi) / 2, r2 * (1 - ct) * np.sin(2 * phi) / 2
@@ -53,9 +52,9 @@ def random_poses(count: int) -> Pose:
 class Formulas:
     """What is put to the test: Eqs. (1), (2), J_i of Eq. (10), Eq. (8) and h of Section 2 [m]."""
 
-    rotation: Callable[[Floats, Floats], Floats] = printed_rotation
-    position: Callable[[float, Floats, Floats], tuple[Floats, Floats]] = printed_position
-    arm: Callable[[Floats], Floats] = rigid_arm
+    rotation: Callable[[Array, Array], Array] = printed_rotation
+    position: Callable[[float, Array, Array], tuple[Array, Array]] = printed_position
+    arm: Callable[[Array], Array] = rigid_arm
     platform: Callable[[float, float, float], Platform] = Platform.as_printed
     thickness: float = 0.02
 
@@ -113,7 +112,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
     )
 
 
-def _compatibility(mechanism: Mechanism, arm: Callable[[Floats], Floats]) -> float:
+def _compatibility(mechanism: Mechanism, arm: Callable[[Array], Array]) -> float:
     """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
     turns, worst = STEP * np.eye(3), []
     for point in np.array(mechanism.platform_points):  # a copy: rotating needs one to write to
@@ -155,7 +154,7 @@ def _against_multipliers(case: Case) -> tuple[float, float]:
     return float(opened.max()), float(np.abs(own / rival - 1).max())
 
 
-def _base_clamped(case: Case) -> Floats:
+def _base_clamped(case: Case) -> Array:
     """Return the relative change of f1-f6 when Phi_Bi = 0 as well."""
     s, n = 3, len(case.mechanism.limbs)
     K, M = (A.toarray() for A in Substructure(s).matrices(case.mechanism, case.pose))

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from analytic import Limits, Pose, Substructure, limbs_at
 from harness.bench import Bench, Study
@@ -30,9 +29,9 @@ from harness.studies.workspace import whole
 from harness.studies.workspace.checks import largest_ripple, rises, turned
 from harness.studies.workspace.map import Region, solve
 from harness.timing import Timed, Way, time_ways
+from harness.types import Array
 from reference_models import Named, UnavailableError, parse
 
-Floats = NDArray[np.float64]
 PAPER = PAPER_MODEL
 THEORIES = tuple(Named(name, None) for name in NAMES)
 EXACT, _, TIMOSHENKO = THEORIES
@@ -57,8 +56,8 @@ class Reference:
     """A simulator's f1-f6 and their numerical uncertainty [Hz] by case, paired by shape."""
 
     label: str
-    hertz: Mapping[str, Floats]
-    uncertainty: Mapping[str, Floats]
+    hertz: Mapping[str, Array]
+    uncertainty: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -69,11 +68,11 @@ class Spent:
     operations of a formulation, coordinates of finite elements.
     """
 
-    seconds: Floats
-    solves: Floats
+    seconds: Array
+    solves: Array
     work: float
 
-    def over(self, other: "Spent") -> tuple[Floats, Floats, float]:
+    def over(self, other: "Spent") -> tuple[Array, Array, float]:
         """Return ratios to another: of seconds and of solves, call by call, and of work."""
         parts = []
         for own, its in ((self.seconds, other.seconds), (self.solves, other.solves)):
@@ -123,12 +122,12 @@ class Facts:
         self._sound(f"{m.label}: {why}" for (_, m), why in study.failures.items())  # type: ignore[attr-defined]
         return study
 
-    def solved_for(self, case: Case, model: Named, count: int) -> Floats:
+    def solved_for(self, case: Case, model: Named, count: int) -> Array:
         """Return the first frequencies of a model at a case [Hz], (count,)."""
         study = self._kept(self.bench.run([case], [model], count))
         return study.answers[case, model].frequencies[:count]
 
-    def _paired(self, study: Study, case: Case, model: Named) -> tuple[Floats, Floats]:
+    def _paired(self, study: Study, case: Case, model: Named) -> tuple[Array, Array]:
         """Return f1-f6 and their uncertainty [Hz] in the order of the paper's modes."""
         found = match(study, case, PAPER, model)
         assert found is not None, "both have an answer"
@@ -159,7 +158,7 @@ class Facts:
         return self.reference(solid)
 
     @cached_property
-    def hertz(self) -> dict[tuple[str, Named], Floats]:
+    def hertz(self) -> dict[tuple[str, Named], Array]:
         """The beam theories' f1-f6 [Hz] by (case, model), in the order of the paper's modes.
 
         With and without elements at the cases, and every other reading of the paper.
@@ -173,12 +172,12 @@ class Facts:
         return hertz
 
     @cached_property
-    def scan_z(self) -> Floats:
+    def scan_z(self) -> Array:
         """Heights over the printed stroke, level: o is as high as a limb's end, (n,)."""
         return np.linspace(Limits().length_min, Limits().length_max, HEIGHTS)
 
     @cached_property
-    def scan(self) -> dict[str, Floats]:
+    def scan(self) -> dict[str, Array]:
         """The paper's model over `scan_z` at each case's angles, (n, 6) [Hz]."""
         scan = {}
         for case in self.cases:
@@ -295,7 +294,7 @@ class Facts:
         )
 
 
-def _stiffness_ratios(case: Case) -> Floats:
+def _stiffness_ratios(case: Case) -> Array:
     """Return the platform's static stiffness by Euler-Bernoulli over that by Timoshenko, (6,).
 
     Eigenvalues of the pair: the extremes over all directions of load.

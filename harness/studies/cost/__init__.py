@@ -3,11 +3,10 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from analytic import InputError, Substructure
 from harness.bench import Bench
@@ -26,12 +25,9 @@ from harness.studies.cost.work import counted, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows
 from harness.tables import Cell, Number, Table
 from harness.timing import Timed, Timings, Way, time_ways
+from harness.types import Array, Figure
 from reference_models import Named
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 MATRICES = 10_000
@@ -205,7 +201,7 @@ class Cost(Result):
             f"numpy {np.__version__}, scipy {scipy.__version__}",
         )
 
-    def figures(self) -> dict[str, "Figure"]:
+    def figures(self) -> dict[str, Figure]:
         """Return (a) one pose against elements and (b) a pose against batch size."""
         from harness.studies.cost.figure import cost_figure
 

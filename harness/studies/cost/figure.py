@@ -8,15 +8,14 @@ import numpy as np
 from harness.bench import label
 from harness.figures import COLOURS, panels
 from harness.timing import Timed
+from harness.types import Figure
 from harness.unbeaten import Point, draw_front, draw_rest, unbeaten
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from harness.studies.cost import Cost
 
 
-def cost_figure(cost: "Cost") -> "Figure":
+def cost_figure(cost: "Cost") -> Figure:
     """Return (a) one pose against elements and (b) a pose against poses a call, both log-log.
 
     In (a) more elements for less time win, in (b) fewer poses a call.

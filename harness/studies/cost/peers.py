@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from analytic import InputError, Substructure
 from harness.case import Case
+from harness.compare import cells
 from harness.presets import PAPER_ELEMENTS
 from harness.tables import Cell, Number, Table
 from harness.timing import SHIFT
@@ -29,24 +29,20 @@ class Peers:
 
 def measured(case: Case, count: int, rounds: int) -> Peers:
     """Return what frames of `SIZES` take at a case, with `scipy.linalg.eigh` in every round."""
-    found: list[Peer] = []
-    ours, reason = [], ""
-    K, M = Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)
-    pair = K.toarray(), M.toarray()
+    found, ours, reason = list[Peer](), list[Peer](), ""
+    pair = [A.toarray() for A in Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)]
     for s in SIZES:
-        model, built, solved, eigh = Substructure(s), [], [], []
+        model, times = Substructure(s), []
         for k in range(rounds + 1):
             pose = replace(case.pose, z=case.pose.z + SHIFT * k)
             modes = model.modes(case.mechanism, pose, count)
-            built.append(modes.build_seconds)
-            solved.append(modes.solve_seconds)
             began = time.perf_counter()
             scipy.linalg.eigh(*pair)
-            eigh.append(time.perf_counter() - began)
-        times = (np.array(seconds[1:]) for seconds in (built, solved, eigh))
-        ours.append(Peer("ours", s, modes.frequencies, *times))
+            spent = time.perf_counter() - began
+            times.append((modes.build_seconds, modes.solve_seconds, spent))
+        ours.append(Peer("ours", s, modes.frequencies, *np.array(times[1:]).T))
         try:
-            found += peers.timed(case.mechanism, case.pose, s, count, rounds, pair)
+            found += peers.timed(case.mechanism, case.pose, s, count, rounds, (pair[0], pair[1]))
         except (InputError, UnavailableError, ModelError) as error:
             reason = str(error)
     return Peers(tuple(found), tuple(ours), reason)
@@ -60,11 +56,13 @@ def peers_table(result: Peers) -> Table:
             whole = one.build + one.solve
             apart = float(np.abs(one.frequencies / own.frequencies - 1).max())
             rows.append((
-                one.name, one.elements, *(_ms(x) for x in (one.build, one.solve, whole)),
+                one.name, one.elements,
+                *cells(1e3 * np.median([one.build, one.solve, whole], axis=1), 3),
                 Number(float(np.median(whole / one.eigh)), 2), f"{apart:.0e}",
             ))  # fmt: skip
-        rows.append(("the floor: scipy.linalg.eigh", PAPER_ELEMENTS, "-", *[_ms(own.eigh)] * 2,
-                     Number(1.0, 2), "-"))  # fmt: skip
+        floor = cells([1e3 * np.median(own.eigh)] * 2, 3)
+        rows.append(("the floor: scipy.linalg.eigh", PAPER_ELEMENTS, "-", *floor, Number(1.0, 2),
+                     "-"))  # fmt: skip
     columns = ("Frame", "s", "build [ms]", "solve [ms]", "both [ms]", "eigh = 1", "apart")
     notes = [
         f"eigh: of the s = {PAPER_ELEMENTS} pair, in the same process and round; shapes are not "
@@ -72,7 +70,3 @@ def peers_table(result: Peers) -> Table:
         *([f"not measured: {result.reason}"] if result.reason else []),
     ]
     return Table("The same frames by other programs", columns, tuple(rows), tuple(notes))
-
-
-def _ms(seconds: NDArray[np.float64]) -> Number:
-    return Number(1e3 * float(np.median(seconds)), 3)

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from analytic import Continuum, Mechanism, Multipliers, Pose, Substructure, limbs_at
 from analytic.chains import turning
@@ -23,11 +22,12 @@ from analytic.rod_elements import element_matrices, properties
 from analytic.substructure import platform_mass, rigid_arm
 from analytic.theory import Theory
 from harness.case import Case
+from harness.compare import cells
 from harness.presets import PAPER_ELEMENTS
-from harness.tables import Cell, Number, Table
+from harness.tables import Table
 from harness.timing import SHIFT, poses_around
+from harness.types import Array
 
-Array = NDArray[np.float64]
 Call = Callable[[], Any]
 CALLS = 4
 """Calls of one pose in a sample."""
@@ -46,10 +46,14 @@ class Ratio:
     yard: Array
 
     @property
-    def quartiles(self) -> tuple[float, float, float]:
-        """Quartiles of the ratio over rounds."""
-        low, middle, high = (float(q) for q in np.percentile(self.own / self.yard, [25, 50, 75]))
-        return low, middle, high
+    def quartiles(self) -> Array:
+        """Median, first and third quartile of the ratio over rounds."""
+        return np.percentile(self.own / self.yard, [50, 25, 75])
+
+    @property
+    def medians(self) -> Array:
+        """Medians of both [us]."""
+        return 1e6 * np.median([self.own, self.yard], axis=1)
 
 
 def plain_pair(mechanism: Mechanism, pose: Pose, s: int) -> tuple[Array, Array]:
@@ -173,15 +177,12 @@ def _saddle_point(K: Array, M: Array, C: Array) -> Any:
 
 def ratios_table(found: Sequence[Ratio]) -> Table:
     """Return every ratio with its quartiles."""
-    rows: list[tuple[Cell, ...]] = []
-    for one in found:
-        low, middle, high = one.quartiles
-        own, yard = 1e6 * float(np.median(one.own)), 1e6 * float(np.median(one.yard))
-        rows.append((one.what, one.against, Number(middle, 2), Number(low, 2), Number(high, 2),
-                     Number(own, 1), Number(yard, 1)))  # fmt: skip
+    rows = tuple(
+        (one.what, one.against, *cells(one.quartiles), *cells(one.medians, 1)) for one in found
+    )
     columns = ("Ours", "in times of", "median", "q1", "q3", "ours [us]", "yardstick [us]")
     notes = (
         "shapes included where it says modes; the processor's own time of one thread, each sample "
         "between two of its yardstick",
     )
-    return Table("Our time in times of plain dense solutions", columns, tuple(rows), notes)
+    return Table("Our time in times of plain dense solutions", columns, rows, notes)

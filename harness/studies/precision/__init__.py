@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import Modes
 from analytic.model import Model
@@ -22,14 +21,11 @@ from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.tables import Cell, Number, Table
 from harness.timing import Spent, Timed, Timings, Way, time_ways
+from harness.types import Array, Figure
 from harness.unbeaten import unbeaten
 from reference_models import Named
 from reference_models.richardson import Richardson
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 COUNT = 6
 GROUPS = {"f1-f3": 3, "f1-f6": 6}
 """The modes that an error is the worst of."""
@@ -119,7 +115,7 @@ class WorkPrecision(Result):
         """
         known = [
             p for p in self.points
-            if np.isfinite(p.worst(kind, modes)) and (many is None or (p.poses > 1) == many)
+            if np.isfinite(p.worst(kind, modes)) and many in (None, p.poses > 1)
         ]  # fmt: skip
         return unbeaten(known, lambda p: (p.seconds, p.worst(kind, modes)))
 
@@ -178,7 +174,7 @@ class WorkPrecision(Result):
         columns = ("Against", "Modes", "Way", "Elements", "ms a pose", "Largest error [%]")
         return Table("What nothing beats in time and error", columns, tuple(rows))
 
-    def figures(self) -> dict[str, "Figure"]:
+    def figures(self) -> dict[str, Figure]:
         """Return the front: error against time, what is beaten faint behind it."""
         from harness.studies.precision.figure import precision_figure
 
@@ -210,19 +206,13 @@ class WorkPrecision(Result):
 def timed_rows(one: Timed, cases: Sequence[Case], timed: str) -> list[dict[str, Any]]:
     """Return the rows of one timed way for the history: `build_s` is 0, `solve_s` all of it."""
     rows = []
-    how: dict[str, Any] = {"way": one.way.method, "timed": timed}
-    if one.way.poses:
-        how["poses"] = one.way.poses
-    for place, case in enumerate(cases):
-        answer = one.answers[place]
-        if not isinstance(answer, Modes):
-            continue
-        count = min(COUNT, len(answer.frequencies))
-        chosen = settings(one.way.model, len(answer.frequencies), **how)
-        rows += [
-            row | {"build_s": 0.0, "solve_s": one.median()}
-            for row in mode_rows(case, label(one.way.model), chosen, answer, count)
-        ]
+    how: dict[str, Any] = {"poses": one.way.poses} if one.way.poses else {}
+    for answer, case in zip(one.answers, cases, strict=True):
+        if isinstance(answer, Modes):
+            count = len(answer.frequencies)
+            chosen = settings(one.way.model, count, way=one.way.method, timed=timed, **how)
+            found = mode_rows(case, label(one.way.model), chosen, answer, min(COUNT, count))
+            rows += [row | {"build_s": 0.0, "solve_s": one.median()} for row in found]
     return rows
 
 

@@ -7,12 +7,10 @@ import numpy as np
 from harness.bench import label
 from harness.compare import percent
 from harness.figures import COLOURS, panels
+from harness.types import Axes, Figure
 from harness.unbeaten import Point, draw_front, draw_rest
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from harness.studies import precision
     from harness.studies.precision import WorkPrecision
 
@@ -20,7 +18,7 @@ LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
 
 
-def precision_figure(result: "WorkPrecision") -> "Figure":
+def precision_figure(result: "WorkPrecision") -> Figure:
     """Return error against time, log-log: a column a group of modes, a row a truth.
 
     The front is drawn in colour and its ways are named; what it beats is faint.
@@ -42,7 +40,7 @@ def precision_figure(result: "WorkPrecision") -> "Figure":
     return figure
 
 
-def _panel(axes: "Axes", result: "WorkPrecision", kind: str, modes: int) -> None:
+def _panel(axes: Axes, result: "WorkPrecision", kind: str, modes: int) -> None:
     def placed(p: "precision.Point") -> Point:
         return Point(1e3 * p.seconds, max(LEAST, p.worst(kind, modes)), label(p.model))
 

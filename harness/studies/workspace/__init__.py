@@ -3,10 +3,9 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from sys import float_info
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Limits, Mechanism, Pose
 from analytic.model import Model
@@ -26,9 +25,7 @@ from harness.studies.workspace.checks import (
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap, workspace_map
 from harness.studies.workspace.plane import FEW, MANY, OPTION, Plane, PlaneMap, plane_map
 from harness.tables import Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from harness.types import Array, Figure
 
 BATCHED, OF_CHAINS, ONE_BY_ONE = (72, 15), (36, 8), (12, 4)
 """Azimuths and tilts of models that take all poses at once, of R-P-S limbs and of other chains, and
@@ -50,7 +47,7 @@ def _grid(text: str) -> tuple[int, int]:
     return int(azimuths), int(tilts)
 
 
-def _layers(text: str) -> NDArray[np.float64]:
+def _layers(text: str) -> Array:
     expected = f"up to {MOST_LAYERS} heights z in millimetres, by commas"
     height = real("layers", expected)
     values = sorted({height(part) for part in text.split(",")})
@@ -121,7 +118,7 @@ class Workspace(Result):
             "-height": height_table(self.fine, self.shown),
         }
 
-    def figures(self) -> dict[str, "Figure"]:
+    def figures(self) -> dict[str, Figure]:
         """Return contours, surfaces, the region and ripple; none where nothing was solved."""
         if not np.isfinite(self.map.frequencies).any():
             return {}
@@ -153,7 +150,7 @@ def workspace(
     model: Model,
     shown: tuple[int, ...],
     bench: Bench,
-    layers: NDArray[np.float64] | None = None,
+    layers: Array | None = None,
     size: tuple[int, int] | None = None,
 ) -> Workspace:
     """Return the map of `model` over a region: `layers` of heights [m], `size` azimuths x tilts."""

@@ -10,8 +10,7 @@ from harness.bench import label
 from harness.poses import named
 from harness.studies.workspace.map import ORDER, Region, WorkspaceMap, limits_met, limits_said
 from harness.tables import Cell, Number, Table
-
-Floats = NDArray[np.float64]
+from harness.types import Array
 
 ROUNDING = 1e-9
 """Relative differences below this are the solvers' own."""
@@ -19,13 +18,13 @@ SAMPLES = 20_000
 """Random poses by which the cone is checked to be reachable between its layers."""
 
 
-def ripple(data: WorkspaceMap) -> Floats:
+def ripple(data: WorkspaceMap) -> Array:
     """Return (max - min) / mean over azimuth, shape (n, T, count); NaN where a value is missing."""
     f = data.frequencies
     return np.asarray((f.max(axis=1) - f.min(axis=1)) / f.mean(axis=1))
 
 
-def largest_ripple(data: WorkspaceMap) -> Floats:
+def largest_ripple(data: WorkspaceMap) -> Array:
     """Return each mode's largest ripple over complete circles, (count,); NaN without any."""
     rings = ripple(data)[:, 1:]  # a level platform has no azimuth
     complete = np.isfinite(rings).all(axis=-1)
@@ -45,7 +44,7 @@ def mirrored(data: WorkspaceMap) -> float:
     return _largest(f, f[:, -np.arange(f.shape[1])])
 
 
-def _largest(f: Floats, g: Floats) -> float:
+def _largest(f: Array, g: Array) -> float:
     change = np.abs(g - f) / f
     return float(change[np.isfinite(change)].max(initial=0.0))
 
@@ -102,7 +101,7 @@ def symmetry_table(data: WorkspaceMap, shown: Sequence[int]) -> Table:
     return Table(f"Circular symmetry: {label(data.model)}", columns, tuple(rows), notes)
 
 
-def rises(data: WorkspaceMap) -> tuple[Floats, NDArray[np.bool_]]:
+def rises(data: WorkspaceMap) -> tuple[Array, NDArray[np.bool_]]:
     """Return the relative change from each layer to the next at the same azimuth and tilt.
 
     Shape (n - 1, A, T, count), NaN where either is missing; and whether a (A, T, count) column

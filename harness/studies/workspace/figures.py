@@ -6,20 +6,16 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from analytic.workspace import boundary
 from harness.bench import label
 from harness.figures import COLOURS, panels
 from harness.studies.workspace.checks import ripple
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap
-
-Floats = NDArray[np.float64]
+from harness.types import Array, Axes, Figure
 
 COLOUR_MAP = "viridis"
 LEVELS = 10
@@ -106,7 +102,8 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
     figure, every = _beside(title, len(shown), (5.6, 6.1), subplot_kw=kind)
     for axes, i in zip(every, shown, strict=True):
         values = data.frequencies[..., i - 1]
-        scale = LogNorm(np.nanmin(values), np.nanmax(values))
+        low, high = np.nanmin(values), np.nanmax(values)
+        scale = LogNorm(low, high)
         order = np.argsort(np.nanmean(values, axis=(1, 2)))  # the farthest down are drawn first
         for place, k in enumerate(order.tolist()):
             x, y, f = _disc(data, k, i)
@@ -126,7 +123,7 @@ def surface_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
         axes.set_zlabel(f"$f_{{{i}}}$ [Hz]", labelpad=8)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(4, symmetric=True))
-        ticks = MaxNLocator(6, prune="both").tick_values(scale.vmin, scale.vmax)
+        ticks = MaxNLocator(6, prune="both").tick_values(low, high)
         axes.set_zticks(np.log10(ticks), [f"{tick:g}" for tick in ticks])
         axes.view_init(elev=20, azim=-60)
         axes.set_box_aspect((1, 1, 1.15), zoom=0.92)
@@ -167,7 +164,7 @@ def _beside(title: str, count: int, size: tuple[float, float], **how: Any) -> tu
     return figure, grid.flat[:count]
 
 
-def _disc(data: WorkspaceMap, layer: int, mode: int) -> tuple[Floats, Floats, Floats]:
+def _disc(data: WorkspaceMap, layer: int, mode: int) -> tuple[Array, Array, Array]:
     """Return x, y [deg] and the frequency of one layer, (A + 1, rings), closed round."""
     rings = np.isfinite(data.grid.tilt[layer])
     tilt = np.degrees(data.grid.tilt[layer, rings])
@@ -176,7 +173,7 @@ def _disc(data: WorkspaceMap, layer: int, mode: int) -> tuple[Floats, Floats, Fl
     return tilt * np.cos(azimuth), tilt * np.sin(azimuth), np.concatenate([f, f[:1]])
 
 
-def filled(axes: Axes, x: Floats, y: Floats, f: Floats) -> Any:
+def filled(axes: Axes, x: Array, y: Array, f: Array) -> Any:
     """Draw filled contours with lines between, and the rim; return them for a colour bar."""
     masked = np.ma.masked_invalid(f)
     levels = MaxNLocator(LEVELS).tick_values(masked.min(), masked.max())

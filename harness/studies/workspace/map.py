@@ -14,9 +14,8 @@ from harness.bench import Bench, label
 from harness.case import Case
 from harness.poses import named
 from harness.rows import MAP, mode_rows, settings
+from harness.types import Array
 from harness.workers import Failure
-
-Floats = NDArray[np.float64]
 
 LEAST = 1e-3
 """A platform that tilts by less than this everywhere does not tilt [rad]."""
@@ -57,7 +56,7 @@ class Region:
             raise InputError("mechanism", chain, expected)
         return cls(mechanism, limits, circles, circles.cone())
 
-    def layers(self, number: int) -> Floats:
+    def layers(self, number: int) -> Array:
         """Return `number` heights over the cone, evenly, to whole millimetres inside it [m]."""
         low, high = 1000 * self.cone.z
         return np.round(np.linspace(np.ceil(low), np.floor(high), number)) / 1000
@@ -97,15 +96,15 @@ class Grid:
         shared: whether a tilt is one that the layers have in common, shape (n, T): not a rim.
     """
 
-    z: Floats
-    radii: Floats
-    touch: Floats
-    azimuth: Floats
-    tilt: Floats
+    z: Array
+    radii: Array
+    touch: Array
+    azimuth: Array
+    tilt: Array
     shared: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, region: Region, z: Floats, azimuths: int, tilts: int) -> "Grid":
+    def of(cls, region: Region, z: Array, azimuths: int, tilts: int) -> "Grid":
         """Return `tilts` from 0 to the widest rim that the layers share, and each layer's rim."""
         x, y, _ = region.mechanism.limbs[0].base
         azimuth = np.arctan2(y, x) + 2 * np.pi * np.arange(azimuths) / azimuths
@@ -147,7 +146,7 @@ class Answers:
     once; `seconds` a pose of the latter, else None; `failures` by "MODEL at POSE", in words.
     """
 
-    frequencies: Floats
+    frequencies: Array
     modes: tuple[Modes | None, ...]
     seconds: float | None
     failures: dict[str, str]
@@ -185,7 +184,7 @@ class WorkspaceMap:
     region: Region
     grid: Grid
     model: Model
-    frequencies: Floats
+    frequencies: Array
     answers: Answers
 
     def rows(self) -> list[dict[str, Any]]:

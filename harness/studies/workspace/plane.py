@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,7 @@ from harness.result import Result
 from harness.rows import PLANE
 from harness.studies.workspace.map import ORDER, Answers, limits_met, limits_said, solve
 from harness.tables import Cell, Number, Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-Floats = NDArray[np.float64]
+from harness.types import Array, Figure
 
 MANY, FEW = (72, 9), (12, 4)
 """Directions and steps of models that run in this process, and of those in one of their own."""
@@ -56,8 +52,8 @@ class Plane:
     case: Case
     names: tuple[str, str]
     limits: Limits
-    direction: Floats
-    far: Floats
+    direction: Array
+    far: Array
 
     @classmethod
     def of(
@@ -88,14 +84,14 @@ class Plane:
         wanted[1:, 0] = False
         return wanted
 
-    def spread(self, values: Floats) -> Floats:
+    def spread(self, values: Array) -> Array:
         """Return the `values` (n, ...) at the `wanted` poses as those of all, (A, R, ...)."""
         found = np.empty((*self.far.shape, *values.shape[1:]))
         found[self.wanted] = values
         found[:, 0] = found[0, 0]
         return found
 
-    def filled(self, axes: Any, values: Floats) -> Any:
+    def filled(self, axes: Any, values: Array) -> Any:
         """Draw contours of `values` (A, R), and what the axes are; return them for a colour bar."""
         from harness.studies.workspace.figures import filled
 
@@ -126,7 +122,7 @@ class PlaneMap(Result):
     plane: Plane
     model: Model
     shown: tuple[int, ...]
-    frequencies: Floats
+    frequencies: Array
     answers: Answers
 
     def records(self) -> Iterator[dict[str, Any]]:
@@ -167,7 +163,7 @@ class PlaneMap(Result):
         heads = ("Mode", "", "f [Hz]", *headings(shown))
         return {"": Table(title, heads, tuple(rows), notes)}
 
-    def figures(self) -> "dict[str, Figure]":
+    def figures(self) -> dict[str, Figure]:
         """Return contours, a panel a mode, each with its own scale; none without an answer."""
         from matplotlib.ticker import MaxNLocator
 

@@ -137,7 +137,7 @@ def test_the_plain_assembly_is_the_same_pair() -> None:
 def test_ratios_are_of_what_they_say(cost: Cost) -> None:
     for one in cost.plain:
         assert (one.own > 0).all() and (one.yard > 0).all()
-        low, middle, high = one.quartiles
+        middle, low, high = one.quartiles
         assert low <= middle <= high
     whats = [one.what for one in cost.plain]
     assert len(set(whats)) == len(whats)
