@@ -1,17 +1,22 @@
 """What studies that set models beside each other share: errors, notes, and cells."""
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.model import Model
 from analytic.pairing import Pairing
-from harness.bench import Study, label
+from harness.bench import Bench, Study, label
 from harness.case import Case
+from harness.request import Request
+from harness.result import Result
 from harness.tables import Number
 from harness.types import Array
+from reference_models import Named
 
 PERCENT = 2
 """Decimals of an error in percent, as in Table I."""
@@ -64,6 +69,30 @@ def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | 
     own = np.full(len(f), np.nan) if own is None else own
     place = pairing.partner
     return Match(ours.frequencies[: study.count], f[place], own[place], pairing)
+
+
+@dataclass(frozen=True)
+class AgainstElements(Result):
+    """`theory` against `reference` as its `elements` s grow; `shown`: mode numbers from 1."""
+
+    study: Study
+    theory: Named
+    reference: Named
+    elements: tuple[int, ...]
+    shown: tuple[int, ...]
+
+    @cached_property
+    def meshes(self) -> tuple[Named, ...]:
+        """The theory with each number of elements."""
+        return tuple(replace(self.theory, elements=s) for s in self.elements)
+
+    @classmethod
+    def of(cls, request: Request, bench: Bench, models: Sequence[Named]) -> Self:
+        """Return it against the first reference, with `models` solved beside the two."""
+        theory, reference = request.theory, request.references[0]
+        meshes = [replace(theory, elements=s) for s in request.steps]
+        study = bench.run(request.cases, [reference, *meshes, *models], request.count)
+        return cls(study, theory, reference, request.steps, request.shown)
 
 
 def errors(study: Study, theory: Model, reference: Model) -> Array:
@@ -140,19 +169,9 @@ def kind(model: Model) -> str:
     return "Exact" if model.elements is None else "FEA"
 
 
-def percent(value: float) -> str:
-    """Return a size [%] in words, two digits of it."""
-    return f"{value:.2g} %" if value >= 1e-3 else "less than 0.001 %"
-
-
-def at_most(value: float) -> str:
-    """Return a bound [%] in words."""
-    return f"at most {value:.2g} %" if value >= 1e-3 else percent(value)
-
-
-def up_to(value: float) -> str:
-    """Return the largest of some sizes [%] in words."""
-    return f"up to {percent(value)}" if value >= 1e-3 else percent(value)
+def percent(value: float, bound: str = "") -> str:
+    """Return a size [%] in words, two digits of it; `bound`: "at most " or "up to " before it."""
+    return f"{bound}{value:.2g} %" if value >= 1e-3 else "less than 0.001 %"
 
 
 def span(values: Array, *, signed: bool = False) -> str:

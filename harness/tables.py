@@ -191,23 +191,25 @@ class Table:
         numbers = (w for w, flush in zip(natural, numeric, strict=True) if flush)
         widest = GAP + max(NARROW, *numbers, 0)
         first = numeric.index(True) if True in numeric else 1
+
+        def taken(block: Mapping[int, int]) -> int:
+            return sum(block.values()) + GAP * len(block)
+
+        def own(k: int, most: int) -> int:
+            return natural[k] if numeric[k] else min(natural[k], max(NARROW, most))
+
         keys: dict[int, int] = {}
         for k in range(max(1, min(first, len(natural) - 1))):
-            most = natural[k] if numeric[k] else min(natural[k], max(NARROW, room // 3))
-            if keys and sum(keys.values()) + most + GAP * (len(keys) + 1) + widest > room:
+            if keys and taken(keys) + own(k, room // 3) + GAP + widest > room:
                 break
-            keys[k] = most
-        block, used = dict(keys), sum(w + GAP for w in keys.values())
+            keys[k] = own(k, room // 3)
+        block, left = dict(keys), room - taken(keys) - GAP
         for k in range(len(natural)):
-            if k in keys:
-                continue
-            left = room - sum(w + GAP for w in keys.values()) - GAP
-            own = natural[k] if numeric[k] else min(natural[k], max(NARROW, left))
-            if used + own + GAP > room and len(block) > len(keys):
-                yield block
-                block, used = dict(keys), sum(w + GAP for w in keys.values())
-            block[k] = own
-            used += own + GAP
+            if k not in keys:
+                if taken(block) + own(k, left) + GAP > room and len(block) > len(keys):
+                    yield block
+                    block = dict(keys)
+                block[k] = own(k, left)
         yield block
 
     def _block(self, columns: Mapping[int, int]) -> "rich.table.Table":

@@ -1,7 +1,6 @@
 """The error, split into its causes: parts that add up to the paper's one "error (%)"."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -9,24 +8,24 @@ import numpy as np
 
 from analytic import InputError
 from analytic.theory import BEAMS
-from harness.bench import Bench, Study
+from harness.bench import Bench
 from harness.case import Case
 from harness.causes import effects, exact_chain
 from harness.compare import (
+    AgainstElements,
     at,
-    at_most,
     case_notes,
     cells,
     failure_notes,
     match,
     pairing_notes,
+    percent,
     span,
 )
 from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Request
-from harness.result import Result
 from harness.studies.refinement import Ladder, Verification, ladder, verified
 from harness.tables import Cell, Table
 from harness.types import Array, Figure
@@ -37,20 +36,13 @@ ELEMENTS = "number of elements"
 """The first part: what vanishes as s grows."""
 
 
-@dataclass(frozen=True)
-class Budget(Result):
-    """Error of `theory` with s `elements` against `reference`, in parts.
+class Budget(AgainstElements):
+    """The error of a theory, in parts.
 
     A part is 100 (f_a - f_b) / f_reference between neighbours of a chain: theory with s elements,
     theory without, each richer beam theory without, the reference without its assumption,
-    reference. Every mode is followed by its shape. `study` behind it; `shown`: mode numbers from 1.
+    reference. Every mode is followed by its shape.
     """
-
-    study: Study
-    theory: Named
-    reference: Named
-    elements: tuple[int, ...]
-    shown: tuple[int, ...]
 
     @cached_property
     def chain(self) -> tuple[Named, ...]:
@@ -61,11 +53,6 @@ class Budget(Result):
     def simulators(self) -> tuple[Named, ...]:
         """The last of the chain."""
         return solids(self.reference)
-
-    @cached_property
-    def discrete(self) -> tuple[Named, ...]:
-        """The theory with each number of elements."""
-        return tuple(replace(self.theory, elements=s) for s in self.elements)
 
     @cached_property
     def ladders(self) -> dict[Named, Ladder]:
@@ -88,9 +75,9 @@ class Budget(Result):
 
         Their sum over the parts is the error; NaN against 0 Hz. Of cases without a failure.
         """
-        cases = self.study.complete(*self.chain, *self.discrete)
+        cases = self.study.complete(*self.chain, *self.meshes)
         return {
-            case: np.array([self._shares(case, mesh) for mesh in self.discrete]) for case in cases
+            case: np.array([self._shares(case, mesh) for mesh in self.meshes]) for case in cases
         }
 
     def _shares(self, case: Case, mesh: Named) -> Array:
@@ -111,7 +98,7 @@ class Budget(Result):
 
         def seen(case: Case, model: Named) -> list[Verification | None]:
             steps = self.ladders.get(model)
-            pairing = steps and self.study.pairing(case, self.discrete[-1], steps[-1])
+            pairing = steps and self.study.pairing(case, self.meshes[-1], steps[-1])
             if not pairing:
                 return [None] * self.study.count
             return [known[model].get((case, i + 1)) for i in pairing.partner.tolist()]
@@ -159,7 +146,7 @@ class Budget(Result):
             without, name = self.simulators[0].name, self.reference.name
             yield f"{self.reference.info().assumption}: {without} is without, {name} has it"
         for case in self.shares:
-            for mesh in self.discrete:
+            for mesh in self.meshes:
                 yield from pairing_notes(self.study, case, mesh, self.reference, self.shown)
             for model, seen in self.seen[case].items():
                 said = {i: one.remark for i in self.shown if (one := seen[i - 1])}
@@ -193,8 +180,8 @@ class Budget(Result):
         )
         bands = np.array([self.band(case, self.reference) for case in self.shares])
         own = at(bands, self.shown)
-        said = "not known" if np.isnan(own).any() else at_most(float(own.max()))
-        ours = self.discrete[k].label
+        said = "not known" if np.isnan(own).any() else percent(float(own.max()), "at most ")
+        ours = self.meshes[k].label
         return [
             f"{ours} against {self.reference.label}, by cause: {parts}. The reference's own GCI: "
             f"{said}."
@@ -224,12 +211,9 @@ def meshes(model: Named) -> Ladder:
 
 def run(request: Request, bench: Bench) -> Budget:
     """Return the budget of the theory against the first reference: parts add up to the error."""
-    theory, reference, elements = request.theory, request.references[0], request.steps
-    discrete = [replace(theory, elements=s) for s in elements]
-    refined = [mesh for model in solids(reference) for mesh in meshes(model)]
-    models = [*solids(reference), *exact_chain(theory), *discrete, *refined]
-    study = bench.run(request.cases, models, request.count)
-    return Budget(study, theory, reference, elements, request.shown)
+    simulators = solids(request.references[0])
+    refined = [mesh for model in simulators for mesh in meshes(model)]
+    return Budget.of(request, bench, [*simulators, *exact_chain(request.theory), *refined])
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

@@ -1,15 +1,15 @@
 """Convergence with the number of elements s: Fig. 3, and the discretisation error alone."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from harness.bench import Bench, Study
+from harness.bench import Bench
 from harness.case import Case
 from harness.compare import (
+    AgainstElements,
     at,
     case_notes,
     cells,
@@ -21,11 +21,9 @@ from harness.compare import (
 from harness.figures import look, panels
 from harness.plan import Plan
 from harness.request import Request
-from harness.result import Result
 from harness.studies.refinement import MESHES, ROUNDING, Family
 from harness.tables import Cell, Number, Table
 from harness.types import Array, Figure
-from reference_models import Named
 
 DEFAULTS = {"elements": "1-8"}
 EACH_REFERENCE = True
@@ -33,20 +31,8 @@ LADDER = (1, 2, 4, 8, 16)
 """Doubling, to read the order of convergence from."""
 
 
-@dataclass(frozen=True)
-class Convergence(Result):
-    """Errors of `theory` against `reference` as its `elements` s grow; `shown` mode numbers."""
-
-    study: Study
-    theory: Named
-    reference: Named
-    elements: tuple[int, ...]
-    shown: tuple[int, ...]
-
-    @cached_property
-    def meshes(self) -> tuple[Named, ...]:
-        """The theory with each number of elements."""
-        return tuple(replace(self.theory, elements=s) for s in self.elements)
+class Convergence(AgainstElements):
+    """Errors of a theory as its elements grow."""
 
     @cached_property
     def errors(self) -> dict[Case, Array]:
@@ -165,12 +151,8 @@ class Convergence(Result):
 
 def run(request: Request, bench: Bench) -> Convergence:
     """Return the convergence of the theory against the first reference."""
-    theory, reference, elements = request.theory, request.references[0], request.steps
-    meshes = [replace(theory, elements=s) for s in elements]
-    limit = theory.limit()
-    models = [reference, *meshes, *([] if limit is None else [limit])]
-    study = bench.run(request.cases, models, request.count)
-    return Convergence(study, theory, reference, elements, request.shown)
+    limit = request.theory.limit()
+    return Convergence.of(request, bench, [] if limit is None else [limit])
 
 
 def jobs(plan: Plan) -> dict[str, Request]:

@@ -16,7 +16,7 @@ from harness.answer import FREE
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES, exact
-from harness.compare import at_most, cell, cells, failure_notes, match, relative_error
+from harness.compare import cell, cells, failure_notes, match, percent, relative_error
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
@@ -288,15 +288,17 @@ class Refinement(Result):
         """Return each model's observed orders, widest band, and how often there is a warning."""
         lines = []
         for one in self.families:
+            if not one.seen:
+                continue
             low, high = one.orders
             known = "not to be read" if math.isnan(low) else f"{low:.2f} to {high:.2f}"
-            meets = f"; its limit lies {at_most(one.off)} from the exact one"
+            meets = f"; its limit lies {percent(one.off, 'at most ')} from the exact one"
             lines.append(
                 f"{one.name}, {one.meshes} elements: order {known} (in theory {one.formal:g}), GCI "
-                f"{at_most(one.band)} of the finest, {one.warned} of {len(one.seen)} frequencies "
-                f"with a warning{'' if math.isnan(one.off) else meets}."
+                f"{percent(one.band, 'at most ')} of the finest, {one.warned} of {len(one.seen)} "
+                f"frequencies with a warning{'' if math.isnan(one.off) else meets}."
             )
-        return [line for line, one in zip(lines, self.families, strict=True) if one.seen]
+        return lines
 
 
 def run(request: Request, bench: Bench) -> Refinement:

@@ -14,7 +14,6 @@ from harness.causes import effects, exact_chain
 from harness.compare import (
     PERCENT,
     at,
-    at_most,
     case_notes,
     cell,
     cells,
@@ -26,7 +25,6 @@ from harness.compare import (
     percent,
     relative_error,
     span,
-    up_to,
 )
 from harness.paper import TABLE_ONE, THEORETICAL, Paper
 from harness.plan import Plan
@@ -301,7 +299,7 @@ def causes(study: Study, theory: Model) -> list[str]:
         lines.append(
             "Beam theory costs "
             + " and ".join(
-                f"{up_to(float(np.nanmax(part)))} on {name}"
+                f"{percent(float(np.nanmax(part)), 'up to ')} on {name}"
                 for name, part in groups
                 if np.isfinite(part).any()
             )
@@ -314,10 +312,10 @@ def _of_elements(theory: Model, own: float, beam: float | None) -> str:
     """Return whether elements are enough: whether they cost less than the beam theory does [%]."""
     one = theory.elements == 1
     few = f"{theory.elements} element{'' if one else 's'} a limb"
-    cost = f"{'it costs' if one else 'they cost'} {at_most(own)}"
+    cost = f"{'it costs' if one else 'they cost'} {percent(own, 'at most ')}"
     name = label(theory)
     if beam is None:
-        return f"{few} {'costs' if one else 'cost'} {at_most(own)} ({name})."
+        return f"{few} {'costs' if one else 'cost'} {percent(own, 'at most ')} ({name})."
     if own < beam:
         return f"{few} {'is' if one else 'are'} enough: {cost}, less than beam theory ({name})."
     return f"{few} {'is' if one else 'are'} too few: {cost}, more than beam theory ({name})."

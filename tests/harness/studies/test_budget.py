@@ -44,7 +44,7 @@ def test_effects_have_their_sign_and_size() -> None:
     elements, inertia, shear, rest = result.shares[case][0]
     assert (inertia > 0.25).all() and (shear > 1).all() and (elements > 0).all()
     assert (elements < 0.1).all() and (np.abs(rest) < 0.005).all()
-    assert (np.abs(rest) < result.bands[case][REFERENCE]).all()
+    assert (np.abs(rest) < result.band(case, REFERENCE)).all()
     (figure,) = result.figures().values()
     written = [text.get_text() for text in figure.axes[0].texts]
     total = result.shares[case].sum(axis=1)[0]
@@ -63,7 +63,7 @@ def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
     model = Substructure(3).modes(case.mechanism, case.pose)
     finest = steps[-1].modes(case.mechanism, case.pose, 8)
     partner = pair(model, finest, case.mechanism, case.pose).partner
-    for i, own in enumerate(result.bands[case][REFERENCE]):
+    for i, own in enumerate(result.band(case, REFERENCE)):
         seen = found[case, int(partner[i]) + 1]
         assert own == pytest.approx(100 * seen.gci / seen.frequencies[-1], rel=1e-6)
         # In the asymptotic range: 1.25 times the observed step to the limit, not the step itself.
@@ -75,7 +75,7 @@ def test_one_mesh_has_no_band() -> None:
     case = PRESETS["case1"]
     for one in (Named("exudyn-cable", 4), Named("timoshenko", None), Named("mujoco-chain", (2, 4))):
         result = split(case, "euler-bernoulli", [3], one)
-        assert np.isnan(result.bands[case][one]).all()
+        assert np.isnan(result.band(case, one)).all()
         assert "not known" in result.table().markdown()
 
 
