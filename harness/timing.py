@@ -5,7 +5,6 @@ that may crash is timed inside its own process: handing the answer over is no co
 """
 
 import gc
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from timeit import timeit
@@ -111,22 +110,21 @@ class Call:
             [replace(pose, z=pose.z + SHIFT * (self.first + k)) for _, pose in self.places]
             for k in range(self.number)
         ]
-        ask, said = model.frequencies if poses else model.modes, np.zeros(2)
+        ask = model.frequencies if poses else model.modes
+        said, answers = np.zeros(2), list[Any]()
+
+        def run() -> None:
+            for at in shifted:
+                answers[:] = (
+                    ask(mechanism, pose, self.count)
+                    for (mechanism, _), pose in zip(self.places, at, strict=True)
+                )
+                for one in answers:
+                    np.add(said, [getattr(one, name, np.nan) for name in SAID], out=said)
+
         gc.collect()
-        gc.disable()
-        try:
-            with recorded() as record:
-                began = time.perf_counter()
-                for at in shifted:
-                    answers = [
-                        ask(mechanism, pose, self.count)
-                        for (mechanism, _), pose in zip(self.places, at, strict=True)
-                    ]
-                    for one in answers:
-                        said += [getattr(one, name, np.nan) for name in SAID]
-                seconds = time.perf_counter() - began
-        finally:
-            gc.enable()
+        with recorded() as record:
+            seconds = timeit(run, number=1)
         each = self.number * len(self.places) * max(1, poses)
         firsts = (a if isinstance(a, Modes) else np.atleast_2d(np.asarray(a))[0] for a in answers)
         phases = {name: spent / each for name, spent in record.seconds.items()}

@@ -13,7 +13,7 @@ from harness.bench import Bench, Study
 from harness.case import Case
 from harness.compare import Match, at, failure_notes, match
 from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
-from harness.figures import COLOURS
+from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
@@ -156,12 +156,15 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
 
 def shapes_figure(result: Shapes, case: Case) -> Figure:
     """Return one row of pictures a model, one column a mode, all of one size and view."""
-    from matplotlib.figure import Figure
-
     models, shown = (result.theory, *result.references), result.shown
     there = drawn(case.mechanism, case.pose)
-    figure = Figure(figsize=(2.1 * len(shown) + 0.3, 2.2 * len(models) + 0.7), layout="constrained")
-    grid = figure.subplots(len(models), len(shown), squeeze=False, sharex=True, sharey=True)
+    said = (
+        f"Mode shapes, {case.heading}. The largest displacement is drawn as {AMPLITUDE:g} of the "
+        f"mean limb length; dashed: at rest.{'' if there.plain else f' {KEY}'}"
+    )
+    title = fill(said, int(LETTERS * 2.1 * len(shown)))
+    size = len(models), len(shown)
+    figure, grid = panels(title, *size, (2.1, 2.4), sharex=True, sharey=True)
     for k, (model, strip) in enumerate(zip(models, grid, strict=True)):
         modes: Modes | Turned | None = result.study.get(case, model)
         if k:
@@ -176,22 +179,12 @@ def shapes_figure(result: Shapes, case: Case) -> Figure:
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
         strip[0].set_ylabel(model.label, fontsize=9)
-    said = (
-        f"Mode shapes, {case.heading}. The largest displacement is drawn as {AMPLITUDE:g} of the "
-        "mean limb length; dashed: at rest."
-    )
-    if not there.plain:
-        said += f" {KEY}"
-    figure.suptitle(fill(said, int(LETTERS * figure.get_figwidth())), fontsize=11)
     return figure
 
 
 def rest_figure(case: Case) -> Figure:
     """Return the mechanism of a case at rest."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(3.6, 3.2), layout="constrained")
-    axes = figure.subplots()
+    figure, ((axes,),) = panels("", 1, 1, (3.6, 3.2))
     axes.set(aspect="equal", xticks=[], yticks=[])
     axes.spines[:].set_visible(False)
     draw(axes, drawn(case.mechanism, case.pose), np.zeros(6), 0.0)
@@ -243,12 +236,10 @@ def draw_marks(axes: Axes, there: Drawn, limbs: Array | float, platform: Array) 
 
 def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match) -> Figure:
     """Return the assurance criterion of every mode against every one."""
-    from matplotlib.figure import Figure
-
     matrix, shown = found.pairing.matrix[[i - 1 for i in result.shown]], result.shown
     size = (1 + 0.55 * matrix.shape[1], 1.2 + 0.5 * len(shown))
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots()
+    title = f"Assurance weighted by mass. {case.heading}"
+    figure, ((axes,),) = panels(title, 1, 1, size)
     image = axes.imshow(matrix, cmap="Blues", vmin=0, vmax=1)
     for (i, j), value in np.ndenumerate(matrix):
         axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=7,
@@ -256,7 +247,6 @@ def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match)
     axes.set_xticks(range(matrix.shape[1]), [f"{j + 1}" for j in range(matrix.shape[1])])
     axes.set_yticks(range(len(shown)), [f"{i}" for i in shown])
     axes.set(xlabel=f"mode of {reference.label}", ylabel=f"mode of {result.theory.label}")
-    axes.set_title(f"Assurance weighted by mass. {case.heading}", fontsize=10)
     figure.supxlabel("modes that repeat are compared as one subspace", fontsize=7)
     figure.colorbar(image, shrink=0.8)
     return figure

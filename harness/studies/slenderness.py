@@ -140,21 +140,20 @@ def with_rods(case: Case, ratio: float) -> Case:
     Bores grow in proportion. Raises `InputError` for a rod that is not round.
     """
     diameter = ratio * float(limbs_at(case.mechanism, case.pose).lengths.mean())
-    limbs = tuple(
-        replace(limb, chain=tuple(_thick(item, diameter) for item in limb.chain))
-        for limb in case.mechanism.limbs
-    )
-    mechanism = Mechanism(limbs, case.mechanism.platform)
-    return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=mechanism)
 
+    def thick(item: Item) -> Item:
+        if not isinstance(item, Rod):
+            return item
+        own = item.section.diameter
+        if own is None:
+            thin = "a rod that is not round"
+            raise InputError("cases", thin, "round rods to make as thick as d/L")
+        return replace(item, section=Section.round(diameter, diameter * item.section.bore / own))
 
-def _thick(item: Item, diameter: float) -> Item:
-    if not isinstance(item, Rod):
-        return item
-    own = item.section.diameter
-    if own is None:
-        raise InputError("cases", "a rod that is not round", "round rods to make as thick as d/L")
-    return replace(item, section=Section.round(diameter, diameter * item.section.bore / own))
+    mechanism = case.mechanism
+    limbs = [replace(limb, chain=tuple(map(thick, limb.chain))) for limb in mechanism.limbs]
+    stout = Mechanism(tuple(limbs), mechanism.platform)
+    return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=stout)
 
 
 def slenderness(

@@ -257,12 +257,11 @@ def measure(
     # Of limbs of any chain there is one solver, and no compiled loop.
     alone = not case.mechanism.simple
     solvers = () if alone else ("dense", "sparse")
-    kinds = [(*theory.settings, ("solver", solver)) for solver in solvers]
-    ways = [Way(replace(theory, elements=s)) for s in steps]
-    ways += [Way(replace(theory, elements=s, settings=kind)) for kind in kinds for s in steps]
-    ways += [
-        Way(Named("multipliers", s, (("solver", solver),))) for solver in SOLVERS for s in steps
-    ]
+    kinds = [
+        theory, *(replace(theory, settings=(*theory.settings, ("solver", s))) for s in solvers),
+        *(Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS),
+    ]  # fmt: skip
+    ways = [Way(replace(kind, elements=s)) for kind in kinds for s in steps]
     loops = [Named("condensed", None, settings) for settings in _loops()[: 1 if alone else None]]
     ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
     limit = theory.limit()

@@ -4,11 +4,11 @@ Each is timed between two runs of its yardstick, on one thread, by the processor
 the machine does falls on both alike.
 """
 
-import gc
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from timeit import timeit
 from typing import Any
 
 import numpy as np
@@ -59,10 +59,8 @@ class Ratio:
 def plain_pair(mechanism: Mechanism, pose: Pose, s: int) -> tuple[Array, Array]:
     """Return K and M of Eq. (22) as one would write them: limb by limb, B^T K B with B = T H Q."""
     theory, limbs, n = Theory("euler-bernoulli", "cowper"), limbs_at(mechanism, pose), 6 * (s + 1)
-    rods, turns = (
-        properties([limb.rod for limb in mechanism.limbs], theory),
-        turning(mechanism.axes),
-    )
+    rods = properties([limb.rod for limb in mechanism.limbs], theory)
+    turns = turning(mechanism.axes)
     kept, size = 6 * s - 2, len(limbs.lengths) * (6 * s - 2) + 6
     K, M = np.zeros((size, size)), np.zeros((size, size))
     elements = element_matrices(rods, limbs.lengths / s)
@@ -103,15 +101,12 @@ def ratios(case: Case, rounds: int, poses: int) -> tuple[Ratio, ...]:
         what, against = f"modes of s={s}, assembly and all", "a plain dense assembly and eigh"
         one(what, against, partial(Substructure(s).modes, mechanism), plain)
     for solver, alone in (("null-space", _null_space), ("saddle-point", _saddle_point)):
-        rival = Multipliers(PAPER_ELEMENTS, solver=solver)
-        if not simple:
-            one(f"multipliers, {solver}, s={PAPER_ELEMENTS}", floor,
-                partial(rival.modes, mechanism), whole)  # fmt: skip
-            continue
-        K, M, C = (A.toarray() for A in rival.matrices(mechanism, pose))
-        against = "its own dense solution by numpy and eigh"
+        rival, against, yard = Multipliers(PAPER_ELEMENTS, solver=solver), floor, whole
+        if simple:
+            against = "its own dense solution by numpy and eigh"
+            yard = partial(alone, *(A.toarray() for A in rival.matrices(mechanism, pose)))
         what = f"multipliers, {solver}, s={PAPER_ELEMENTS}"
-        one(what, against, partial(rival.modes, mechanism), partial(alone, K, M, C))
+        one(what, against, partial(rival.modes, mechanism), yard)
     chains: list[tuple[str, int | None]] = [
         *((f"s={s}", s) for s in (1, PAPER_ELEMENTS, LONG_CHAIN)), ("exact", None),
     ]  # fmt: skip
@@ -119,12 +114,11 @@ def ratios(case: Case, rounds: int, poses: int) -> tuple[Ratio, ...]:
         single = partial(_condensed, mechanism, size, fast=False)
         one(f"condensed, {name}, one pose", floor, single, whole)
     one("exact modes, certified", floor, partial(Continuum().modes, mechanism), whole)
-    if not poses:
-        return _timed(asked, rounds)
-    many = poses_around(case, poses)
-    A = np.random.default_rng(0).standard_normal((poses, 6, 6))
+    many = poses_around(case, max(1, poses))
+    A = np.random.default_rng(0).standard_normal((len(many), 6, 6))
     small = partial(np.linalg.eigh, A + A.swapaxes(1, 2))
-    for fast in (False, True) if simple and compiled() else (False,):
+    loops = (False, True) if simple and compiled() else (False,)
+    for fast in loops if poses else ():
         for name, size in chains:
             what = f"condensed{', compiled' if fast else ''}, {name}, {poses} poses"
             batch = partial(_condensed, mechanism, size, many, fast=fast)
@@ -140,19 +134,12 @@ def _timed(asked: Sequence[tuple[str, str, Call, Call, int]], rounds: int) -> tu
             call()
     for k in range(rounds):
         for ratio, (_, _, own, yard, number) in zip(found, asked, strict=True):
-            before, spent, after = (_seconds(call) for call in (yard, own, yard))
+            # By the processor's clock, and without collecting what is left over.
+            before, spent, after = (
+                timeit(call, timer=time.thread_time, number=1) for call in (yard, own, yard)
+            )
             ratio.own[k], ratio.yard[k] = spent / number, (before + after) / 2 / number
     return tuple(found)
-
-
-def _seconds(call: Call) -> float:
-    gc.disable()
-    try:
-        began = time.thread_time()
-        call()
-        return time.thread_time() - began
-    finally:
-        gc.enable()
 
 
 def _condensed(mechanism: Mechanism, s: int | None, poses: Pose, *, fast: bool) -> Any:

@@ -24,7 +24,7 @@ from harness.timing import Spent, Timed, Timings, Way, time_ways
 from harness.types import Array, Figure
 from harness.unbeaten import unbeaten
 from reference_models import Named
-from reference_models.richardson import Richardson
+from reference_models.richardson import extrapolated
 
 COUNT = 6
 GROUPS = {"f1-f3": 3, "f1-f6": 6}
@@ -267,17 +267,6 @@ def jobs(plan: Plan) -> dict[str, Request]:
     return {"work-precision": plan.request()}
 
 
-@dataclass(frozen=True)
-class _Mesh:
-    """A mesh that has been solved, as `Richardson` asks for it."""
-
-    elements: int
-    answer: Modes
-
-    def modes(self, mechanism: Any, pose: Any, count: int = 6) -> Modes:
-        return self.answer.first(count)
-
-
 def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
     """Return neighbouring meshes of each simulator, extrapolated: their times add up."""
     found = []
@@ -288,8 +277,9 @@ def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
         if not (same and isinstance(a, int) and isinstance(b, int)):
             continue
         answers = tuple(
-            Richardson(_Mesh(a, x), _Mesh(b, y), info.order).modes(c.mechanism, c.pose, COUNT)  # type: ignore[arg-type]
+            extrapolated(x, y.first(COUNT + SPARE), (a, b), info.order, c.mechanism, c.pose, COUNT)
             for c, x, y in zip(cases, coarse.answers, fine.answers, strict=True)
+            if isinstance(x, Modes) and isinstance(y, Modes)
         )
         rounds = tuple(
             Spent(x.seconds + y.seconds, np.nan, np.nan, answers)
