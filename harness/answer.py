@@ -14,7 +14,7 @@ from analytic.pairing import mass_vectors
 from analytic.placed import place
 from harness.causes import RICHEST
 from harness.declared import COARSE, SAME, STILL, alone, asked, available, keeps
-from harness.types import Array
+from harness.signatures import Array
 from reference_models import ModelError
 from reference_models.richardson import SPARE as CROSSING
 from reference_models.richardson import extrapolated

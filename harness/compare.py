@@ -14,8 +14,8 @@ from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.request import Request
 from harness.result import Result
+from harness.signatures import Array
 from harness.tables import Number
-from harness.types import Array
 from reference_models import Named
 
 PERCENT = 2

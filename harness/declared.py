@@ -14,7 +14,7 @@ from analytic.chain_models import held_modes
 from analytic.model import Info
 from analytic.pairing import mass_vectors, pair
 from analytic.theory import Theory
-from harness.types import Array
+from harness.signatures import Array
 from reference_models import ModelError
 
 SPARE = 2

@@ -7,7 +7,7 @@ import numpy as np
 
 from analytic import STATIONS, Body, Link, Mechanism, Pose, Rod, limbs_at, position
 from analytic.placed import place
-from harness.types import Array
+from harness.signatures import Array
 
 AMPLITUDE = 0.2
 """Largest displacement drawn, relative to the mean limb length."""
@@ -15,12 +15,8 @@ LINK = 0.012
 """Radius of a rigid link as it is drawn, relative to the mean limb length."""
 TURN, HEIGHT = np.radians(-60), np.radians(18)
 """From where a mechanism is looked at: azimuth and elevation [rad]."""
-LIGHT = np.array([0.35, -0.75, 0.56])
-"""Where the light comes from, of unit length."""
 RING = np.linspace(0, 2 * np.pi, 33)
 """Angles of the corners of a rod's and of the platform's rim [rad]."""
-RINGS = np.linspace(0, 1, 9)
-"""Radii of the platform's faces, relative to its own: small faces are well told apart by depth."""
 
 
 @dataclass(frozen=True)
@@ -90,19 +86,20 @@ class Drawn:
         """Return the arms from the platform's centre to its rim, (33, 3)."""
         return self.radius * np.stack([np.cos(RING), np.sin(RING)], axis=1) @ self.axes
 
-    def surfaces(self, platform: Array, limbs: Array | float) -> Iterator[Array]:
-        """Yield the surface of each span and of the platform last, as grids of points (k, 33, 3).
+    def rods(self, limbs: Array | float) -> Iterator[Array]:
+        """Yield the surface of each span as a grid of points (k, 33, 3).
 
-        `platform`: its displacement and rotation (6,); `limbs`: their displacements (n, stations,
-        3), both as large as they are drawn.
+        `limbs`: their displacements (n, stations, 3), as large as they are drawn.
         """
         lines = self.limbs(limbs)
         for one in self.spans:
             inner = STATIONS[(one.begin < STATIONS) & (one.end > STATIONS)]
             yield tube(at(lines[one.limb], np.array([one.begin, *inner, one.end])), one.radius)
+
+    def disc(self, platform: Array) -> Array:
+        """Return the rim of a platform displaced and turned by (6,), (33, 3)."""
         arms = self.rim()
-        moved = arms + np.cross(platform[3:], arms)
-        yield self.centre + platform[:3] + RINGS[:, None, None] * moved
+        return self.centre + platform[:3] + arms + np.cross(platform[3:], arms)
 
 
 def drawn(mechanism: Mechanism, pose: Pose) -> Drawn:
@@ -180,17 +177,3 @@ def seen(points: Array) -> tuple[Array, Array]:
     right = np.array([-front[1], front[0], 0.0])
     towards = np.cos(HEIGHT) * front + np.sin(HEIGHT) * np.eye(3)[2]
     return points @ np.stack([right, np.cross(towards, right)], axis=1), points @ towards
-
-
-def faces(surface: Array) -> tuple[Array, Array, Array]:
-    """Return the faces of a grid of points (k, m, 3): corners as seen (f, 4, 2), how near (f,), and
-    how light, 0 to 1 (f,)."""
-    a, b, c, d = surface[:-1, :-1], surface[:-1, 1:], surface[1:, 1:], surface[1:, :-1]
-    corners = np.stack([a, b, c, d], axis=2).reshape(-1, 4, 3)
-    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-    flat, _ = seen(corners)
-    _, facing = seen(normal)
-    normal *= np.where(facing < 0, -1, 1)[:, None]
-    _, near = seen(corners.mean(axis=1))
-    return flat, near, np.clip(normal @ LIGHT, 0, 1)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from harness.types import Figure
+from harness.signatures import Figure
 
 # Okabe and Ito's colours, told apart by every common kind of colour vision; markers repeat the
 # distinction, and differ in size because repeated modes lie on top of each other.

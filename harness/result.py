@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from harness.bench import Study, label
+from harness.signatures import Figure
 from harness.tables import Table
-from harness.types import Figure
 
 if TYPE_CHECKING:
     import pandas as pd

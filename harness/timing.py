@@ -17,7 +17,7 @@ from analytic.model import Model
 from analytic.pose import closes
 from harness.bench import Bench, label
 from harness.case import Case
-from harness.types import Array
+from harness.signatures import Array
 from harness.workers import Failure
 from reference_models import UnavailableError
 from reference_models.spent import recorded

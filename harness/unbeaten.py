@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from string import ascii_lowercase
 from typing import Any, TypeVar
 
-from harness.types import Axes
+from harness.signatures import Axes
 
 T = TypeVar("T")
 

@@ -26,9 +26,9 @@ from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Request
+from harness.signatures import Array, Figure
 from harness.studies.refinement import Ladder, Verification, ladder, verified
 from harness.tables import Cell, Table
-from harness.types import Array, Figure
 from reference_models import Named, parse
 
 DEFAULTS = {"elements": "1-4"}

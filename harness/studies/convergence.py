@@ -21,9 +21,9 @@ from harness.compare import (
 from harness.figures import look, panels
 from harness.plan import Plan
 from harness.request import Request
+from harness.signatures import Array, Figure
 from harness.studies.refinement import MESHES, ROUNDING, Family
 from harness.tables import Cell, Number, Table
-from harness.types import Array, Figure
 
 DEFAULTS = {"elements": "1-8"}
 EACH_REFERENCE = True

@@ -12,13 +12,13 @@ from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.case import Case
 from harness.compare import Match, at, failure_notes, match
-from harness.drawing import AMPLITUDE, Drawn, drawn, faces, scale, seen
+from harness.drawing import AMPLITUDE, HEIGHT, TURN, Drawn, drawn, scale
 from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
+from harness.signatures import Array, Figure
 from harness.tables import Number, Table
-from harness.types import Array, Axes, Figure
 from reference_models import Named
 
 OUTPUT = "shapes"
@@ -31,6 +31,9 @@ MARKS: dict[str, dict[str, Any]] = {
     "body": {"marker": "h", "ms": 5.5, "mfc": COLOURS[4]},
 }
 """How joints and bodies are marked."""
+SPACE = {"projection": "3d", "proj_type": "ortho", "azim": np.degrees(TURN),
+         "elev": np.degrees(HEIGHT)}  # fmt: skip
+"""From where a mechanism is looked at."""
 LETTERS = 13
 """Letters of a title an inch."""
 KEY = (
@@ -164,74 +167,64 @@ def shapes_figure(result: Shapes, case: Case) -> Figure:
     )
     title = fill(said, int(LETTERS * 2.1 * len(shown)))
     size = len(models), len(shown)
-    figure, grid = panels(title, *size, (2.1, 2.4), sharex=True, sharey=True)
+    figure, grid = panels(title, *size, (2.1, 2.4), subplot_kw=SPACE)
     for k, (model, strip) in enumerate(zip(models, grid, strict=True)):
         modes: Modes | Turned | None = result.study.get(case, model)
         if k:
             modes = aligned(result.study, case, result.theory, model)
         for i, axes in zip(shown, strip, strict=True):
-            axes.set(aspect="equal", xticks=[], yticks=[])
-            axes.spines[:].set_visible(False)
             if modes is None:
+                axes.set_axis_off()
                 axes.set_title("failed", fontsize=9)
                 continue
             draw_mode(axes, there, modes, i - 1)
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
-        strip[0].set_ylabel(model.label, fontsize=9)
+        strip[0].text2D(-0.1, 0.5, model.label, fontsize=9, rotation=90, va="center",
+                        transform=strip[0].transAxes)  # fmt: skip
     return figure
 
 
 def rest_figure(case: Case) -> Figure:
     """Return the mechanism of a case at rest."""
-    figure, ((axes,),) = panels("", 1, 1, (3.6, 3.2))
-    axes.set(aspect="equal", xticks=[], yticks=[])
-    axes.spines[:].set_visible(False)
+    figure, ((axes,),) = panels("", 1, 1, (3.6, 3.2), subplot_kw=SPACE)
     draw(axes, drawn(case.mechanism, case.pose), np.zeros(6), 0.0)
     return figure
 
 
-def draw_mode(axes: Axes, there: Drawn, modes: Modes | Turned, i: int) -> None:
+def draw_mode(axes: Any, there: Drawn, modes: Modes | Turned, i: int) -> None:
     """Draw mode `i` over the outline of the mechanism at rest."""
     enlarged = float(scale(there, modes.limbs[i]))
-    for line in (*there.limbs(), there.centre + there.rim()):
-        axes.plot(*seen(line)[0].T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=3)
+    for line in (*there.limbs(), there.disc(np.zeros(6))):
+        axes.plot(*line.T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=103)
     draw(axes, there, enlarged * modes.platform[i], enlarged * modes.limbs[i])
 
 
-def draw(axes: Axes, there: Drawn, platform: Array, limbs: Array | float) -> None:
+def draw(axes: Any, there: Drawn, platform: Array, limbs: Array | float) -> None:
     """Draw a mechanism moved by so much; what is nearer hides what is not."""
-    from matplotlib.collections import PolyCollection
-    from matplotlib.colors import to_rgb
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    found = [faces(surface) for surface in there.surfaces(platform, limbs)]
-    tints = [COLOURS[0]] * (len(found) - 1) + [COLOURS[1]]
-    corners, near, light = (np.concatenate(part) for part in zip(*found, strict=True))
-    # The platform lies on the ends of the rods.
-    near[-len(found[-1][1]) :] += max(one.radius for one in there.spans)
-    own = np.repeat([to_rgb(tint) for tint in tints], [len(one[1]) for one in found], axis=0)
-    order = near.argsort()
-    colours = (own * (0.55 + 0.45 * light[:, None]))[order]
-    # As a picture within the drawing: a page of vectors has a hundred thousand faces.
-    axes.add_collection(PolyCollection([*corners[order]], facecolors=colours, edgecolors=colours,
-                                       linewidths=0.3, rasterized=True, zorder=2))  # fmt: skip
-    axes.plot(*seen(there.ground)[0].T, color="0.6", lw=1, zorder=1)
+    axes.set_axis_off()
+    for surface in there.rods(limbs):
+        # As a picture within the drawing: a page of vectors has a hundred thousand faces.
+        axes.plot_surface(*np.moveaxis(surface, -1, 0), color=COLOURS[0], rasterized=True)
+    axes.add_collection3d(Poly3DCollection([there.disc(platform)], facecolors=COLOURS[1]))
+    axes.plot(*there.ground.T, color="0.6", lw=1, zorder=1)
     if not there.plain:
         draw_marks(axes, there, limbs, platform)
-    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set_box_aspect(None, zoom=1.35)
 
 
-def draw_marks(axes: Axes, there: Drawn, limbs: Array | float, platform: Array) -> None:
+def draw_marks(axes: Any, there: Drawn, limbs: Array | float, platform: Array) -> None:
     """Draw joints and bodies by their kind, rails of sliders, and the platform's centre of mass."""
-    for base, start in zip(there.bases, there.starts, strict=True):
-        if np.abs(start - base).max() > 1e-9:
-            axes.plot(*seen(np.array([base, start]))[0].T, color="0.6", lw=1.4, zorder=1)
-    points = seen(there.marked(there.limbs(limbs)))[0]
-    for one, (x, y) in zip(there.marks, points, strict=True):
-        axes.plot(x, y, **MARKS.get(one.kind, MARKS["fixed"]), ls="", mec="k", mew=0.5, zorder=4)
-    arm = there.mass - there.centre
-    x, y = seen(there.mass + platform[:3] + np.cross(platform[3:], arm))[0]
-    axes.plot(x, y, marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=5)
+    for rail in zip(there.bases, there.starts, strict=True):
+        axes.plot(*np.transpose(rail), color="0.6", lw=1.4, zorder=1)
+    for one, point in zip(there.marks, there.marked(there.limbs(limbs)), strict=True):
+        mark = MARKS.get(one.kind, MARKS["fixed"])
+        axes.plot(*point[:, None], **mark, ls="", mec="k", mew=0.5, zorder=104)
+    moved = there.mass + platform[:3] + np.cross(platform[3:], there.mass - there.centre)
+    axes.plot(*moved[:, None], marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=105)
 
 
 def assurance_figure(result: Shapes, case: Case, reference: Named, found: Match) -> Figure:

@@ -18,8 +18,8 @@ from harness.plan import Plan
 from harness.presets import SOLIDS, quick
 from harness.request import Request
 from harness.result import Result
+from harness.signatures import Array, Figure
 from harness.tables import Cell, Number, Table
-from harness.types import Array, Figure
 from reference_models import Named
 
 TAKES = ("cases", "case_file", "references", "modes", "shear")

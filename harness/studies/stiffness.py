@@ -16,9 +16,9 @@ from harness.plan import Plan
 from harness.poses import cells, columns, headings, named, used
 from harness.request import Option, Request
 from harness.result import Result
+from harness.signatures import Array, Figure
 from harness.studies.workspace.plane import MANY, OPTION, Plane
 from harness.tables import Cell, Number, Table
-from harness.types import Array, Figure
 
 TAKES = ("cases", "case_file", "shear")
 LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")

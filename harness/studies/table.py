@@ -31,8 +31,8 @@ from harness.plan import Plan
 from harness.printed import against_paper, printed_table
 from harness.request import Request
 from harness.result import Result
+from harness.signatures import Array
 from harness.tables import Cell, Number, Table
-from harness.types import Array
 
 Rows = Iterator[tuple[Cell, ...]]
 STEM = "table1"

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from harness.signatures import Array
 from harness.studies.claims.data import Args, Outcome, outcome
 from harness.studies.claims.facts import PAPER, Facts, Spent
-from harness.types import Array
 
 RIVALS = {
     "saddle-point": "keeps its multipliers as unknowns",

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from harness.signatures import Array
 from harness.studies.claims.data import RULES, Args, Outcome, outcome
 from harness.studies.claims.equations import PHI, STEP
 from harness.studies.claims.facts import PAPER, Facts
-from harness.types import Array
 
 
 def _vanish(*fields: str) -> Callable[[Facts, Args], Outcome]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from harness.cases import PRESETS
 from harness.paper import ERROR, FEA, THEORETICAL
+from harness.signatures import Array
 from harness.studies.claims.data import CASES, RULES, Args, Outcome, checked, outcome
 from harness.studies.claims.facts import (
     EXACT,
@@ -16,7 +17,6 @@ from harness.studies.claims.facts import (
     Facts,
     Reference,
 )
-from harness.types import Array
 from reference_models import Named
 
 EFFECTS = ("number of elements", "rotary inertia", "shear", "Timoshenko to reference")

@@ -5,9 +5,9 @@ import numpy as np
 from analytic import InputError
 from harness.case import Case
 from harness.paper import ERROR, FEA, THEORETICAL, Printed
+from harness.signatures import Array
 from harness.studies.claims.data import CASES, RULES, Args, Outcome, outcome
 from harness.studies.claims.facts import Facts
-from harness.types import Array
 from reference_models import parse
 
 EDGE = 1e-9

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
 from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
 from harness.case import Case
-from harness.types import Array
+from harness.signatures import Array
 
 SIZES = range(1, 9)
 """Numbers of elements whose matrices are counted."""

@@ -20,6 +20,7 @@ from harness.causes import THEORIES as NAMES
 from harness.compare import match
 from harness.paper import TABLE_ONE
 from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, PAPER_MODEL, STAND_IN, solid_truth
+from harness.signatures import Array
 from harness.studies.claims.data import CASES, TABLE, checked
 from harness.studies.claims.equations import equations
 from harness.studies.cost.work import FORMULATIONS, counted
@@ -29,7 +30,6 @@ from harness.studies.workspace import whole
 from harness.studies.workspace.checks import largest_ripple, rises, turned
 from harness.studies.workspace.map import Region, solve
 from harness.timing import Timed, Way, time_ways
-from harness.types import Array
 from reference_models import Named, UnavailableError, parse
 
 PAPER = PAPER_MODEL

@@ -16,6 +16,7 @@ from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Request, whole
 from harness.result import Result
+from harness.signatures import Array, Figure
 from harness.studies.cost.cores import Throughput, cores_table, throughput
 from harness.studies.cost.growth import growth_table
 from harness.studies.cost.peers import Peers, measured, peers_table
@@ -25,7 +26,6 @@ from harness.studies.cost.work import counted, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows
 from harness.tables import Cell, Number, Table
 from harness.timing import Timed, Timings, Way, time_ways
-from harness.types import Array, Figure
 from reference_models import Named
 
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"

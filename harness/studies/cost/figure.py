@@ -7,8 +7,8 @@ import numpy as np
 
 from harness.bench import label
 from harness.figures import COLOURS, panels
+from harness.signatures import Figure
 from harness.timing import Timed
-from harness.types import Figure
 from harness.unbeaten import Point, draw_front, draw_rest, unbeaten
 
 if TYPE_CHECKING:

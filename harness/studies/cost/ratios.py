@@ -24,9 +24,9 @@ from analytic.theory import Theory
 from harness.case import Case
 from harness.compare import cells
 from harness.presets import PAPER_ELEMENTS
+from harness.signatures import Array
 from harness.tables import Table
 from harness.timing import SHIFT, poses_around
-from harness.types import Array
 
 Call = Callable[[], Any]
 CALLS = 4

@@ -19,9 +19,9 @@ from harness.presets import PAPER_ELEMENTS, solid_truth
 from harness.request import Option, Request, whole
 from harness.result import Result
 from harness.rows import mode_rows, settings
+from harness.signatures import Array, Figure
 from harness.tables import Cell, Number, Table
 from harness.timing import Spent, Timed, Timings, Way, time_ways
-from harness.types import Array, Figure
 from harness.unbeaten import unbeaten
 from reference_models import Named
 from reference_models.richardson import extrapolated

@@ -7,7 +7,7 @@ import numpy as np
 from harness.bench import label
 from harness.compare import percent
 from harness.figures import COLOURS, panels
-from harness.types import Axes, Figure
+from harness.signatures import Axes, Figure
 from harness.unbeaten import Point, draw_front, draw_rest
 
 if TYPE_CHECKING:

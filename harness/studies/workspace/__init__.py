@@ -16,6 +16,7 @@ from harness.plan import Plan
 from harness.poses import columns
 from harness.request import Option, Request, real
 from harness.result import Result
+from harness.signatures import Array, Figure
 from harness.studies.workspace.checks import (
     height_table,
     region_table,
@@ -25,7 +26,6 @@ from harness.studies.workspace.checks import (
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap, workspace_map
 from harness.studies.workspace.plane import FEW, MANY, OPTION, Plane, PlaneMap, plane_map
 from harness.tables import Table
-from harness.types import Array, Figure
 
 BATCHED, OF_CHAINS, ONE_BY_ONE = (72, 15), (36, 8), (12, 4)
 """Azimuths and tilts of models that take all poses at once, of R-P-S limbs and of other chains, and

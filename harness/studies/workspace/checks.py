@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from analytic import Pose, reachable
 from harness.bench import label
 from harness.poses import named
+from harness.signatures import Array
 from harness.studies.workspace.map import ORDER, Region, WorkspaceMap, limits_met, limits_said
 from harness.tables import Cell, Number, Table
-from harness.types import Array
 
 ROUNDING = 1e-9
 """Relative differences below this are the solvers' own."""

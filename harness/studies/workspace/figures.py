@@ -13,9 +13,9 @@ from matplotlib.ticker import MaxNLocator
 from analytic.workspace import boundary
 from harness.bench import label
 from harness.figures import COLOURS, panels
+from harness.signatures import Array, Axes, Figure
 from harness.studies.workspace.checks import ripple
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap
-from harness.types import Array, Axes, Figure
 
 COLOUR_MAP = "viridis"
 LEVELS = 10

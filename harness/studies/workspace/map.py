@@ -14,7 +14,7 @@ from harness.bench import Bench, label
 from harness.case import Case
 from harness.poses import named
 from harness.rows import MAP, mode_rows, settings
-from harness.types import Array
+from harness.signatures import Array
 from harness.workers import Failure
 
 LEAST = 1e-3

@@ -17,9 +17,9 @@ from harness.poses import cells, columns, headings
 from harness.request import Option
 from harness.result import Result
 from harness.rows import PLANE
+from harness.signatures import Array, Figure
 from harness.studies.workspace.map import ORDER, Answers, limits_met, limits_said, solve
 from harness.tables import Cell, Number, Table
-from harness.types import Array, Figure
 
 MANY, FEW = (72, 9), (12, 4)
 """Directions and steps of models that run in this process, and of those in one of their own."""

@@ -8,7 +8,7 @@ import pytest
 from harness.bench import Study, run
 from harness.case_file import load_cases
 from harness.cases import PRESETS
-from harness.drawing import AMPLITUDE, HEIGHT, TURN, drawn, faces, scale, tube
+from harness.drawing import AMPLITUDE, drawn, scale, tube
 from harness.figures import picture
 from harness.studies.shapes import Shapes, aligned
 from reference_models import Named
@@ -88,16 +88,6 @@ def test_a_slider_is_drawn_on_its_rail() -> None:
     kinds = {one.kind: one for one in there.marks if one.limb == 0}
     assert list(kinds) == ["P", "body", "R", "S"]
     np.testing.assert_allclose(kinds["body"].beside, [0, 0, 0.015])
-
-
-def test_what_is_nearer_is_drawn_last() -> None:
-    """A patch in front of another hides it whatever comes first; both face the light."""
-    patch = np.array([[[0.0, 0, 0], [0, 0, 1]], [[1, 0, 0], [1, 0, 1]]])
-    towards = np.array([np.cos(TURN), np.sin(TURN), 0.0])
-    (flat, near, light), (_, nearer, _) = faces(patch), faces(patch + 0.1 * towards)
-    assert nearer > near and 0 < light <= 1
-    side = flat[0, 1] - flat[0, 0]
-    np.testing.assert_allclose(np.abs(side), [0, np.cos(HEIGHT)], atol=1e-12)
 
 
 def test_assurance_of_every_pair_and_a_picture_a_case(study: Study) -> None:
