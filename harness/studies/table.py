@@ -171,7 +171,9 @@ class TableOne(Result):
         lines += against_paper(self.study, theory)
         for model in self.references:
             limit = model.limit()
-            worst = _worst(self.study, model, limit) if limit not in (None, model) else None
+            if limit is None or limit == model:
+                continue
+            worst = _largest(errors(self.study, model, limit))
             if worst is not None:
                 lines.append(
                     f"{label(model)} meets the exact limit of its own theory to {percent(worst)}."
@@ -277,10 +279,10 @@ def _not_following(case: Case) -> list[str]:
     return [f"f{i + 1} of {case.name}" for i in np.flatnonzero(off)]
 
 
-def _worst(study: Study, model: Model, against: Model) -> float | None:
-    """Return the largest error of `model` without its sign [%]; None where there is none."""
-    found = np.abs(errors(study, model, against))
-    return float(np.nanmax(found)) if np.isfinite(found).any() else None
+def _largest(errors: Array) -> float | None:
+    """Return the largest error without its sign; None where there is none."""
+    known = np.abs(errors[np.isfinite(errors)])
+    return float(known.max()) if known.size else None
 
 
 def causes(study: Study, theory: Model) -> list[str]:
@@ -288,22 +290,17 @@ def causes(study: Study, theory: Model) -> list[str]:
     limit, lines = theory.limit(), list[str]()
     if limit is None:
         return lines
-    own = None if limit == theory else _worst(study, theory, limit)
-    richer = next(iter(exact_chain(theory)[1:][-1:]), None)
-    beam = np.empty((0, 0)) if richer is None else np.abs(errors(study, limit, richer))
-    told = bool(np.isfinite(beam).any())
+    richer = exact_chain(theory)[1:][-1:]
+    beam = errors(study, limit, richer[0]) if richer else np.empty((0, 0))
+    own = None if limit == theory else _largest(errors(study, theory, limit))
     if own is not None:
-        lines.append(_of_elements(theory, own, float(np.nanmax(beam)) if told else None))
-    if richer is not None and told:
-        groups = [("f1-f3", beam[:, :3]), ("f4-f6", beam[:, 3:6])]
+        lines.append(_of_elements(theory, own, _largest(beam)))
+    parts = {"f1-f3": _largest(beam[:, :3]), "f4-f6": _largest(beam[:, 3:6])}
+    told = [f"{percent(v, 'up to ')} on {name}" for name, v in parts.items() if v is not None]
+    if told:
         lines.append(
-            "Beam theory costs "
-            + " and ".join(
-                f"{percent(float(np.nanmax(part)), 'up to ')} on {name}"
-                for name, part in groups
-                if np.isfinite(part).any()
-            )
-            + f", and no number of elements removes that ({label(limit)} against {label(richer)})."
+            f"Beam theory costs {' and '.join(told)}, and no number of elements removes that "
+            f"({label(limit)} against {label(richer[0])})."
         )
     return lines
 

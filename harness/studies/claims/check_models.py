@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from harness.cases import PRESETS
+from harness.compare import relative_error
 from harness.paper import ERROR, FEA, THEORETICAL
 from harness.signatures import Array
 from harness.studies.claims.data import CASES, RULES, Args, Outcome, checked, outcome
@@ -95,7 +96,9 @@ def one_height(facts: Facts, args: Args) -> Outcome:
     """Is there one height at which the printed mechanism gives both printed rows?"""
     z = facts.scan_z
     worst = {
-        f"{case} is nearest": np.abs(_percent(scan, facts.printed.table[case, THEORETICAL])).max(1)
+        f"{case} is nearest": np.abs(
+            relative_error(scan, facts.printed.table[case, THEORETICAL])
+        ).max(1)
         for case, scan in facts.scan.items()
     }
     worst["both"] = np.maximum(*worst.values())
@@ -111,7 +114,7 @@ def fall(facts: Facts, args: Args) -> Outcome:
     case, mode, few, more = (args[key] for key in ("case", "mode", "from", "to"))
     quoted = facts.printed.figure3[case, few, mode] - facts.printed.table[case, ERROR][mode - 1]
     coarse, fine = (facts.hertz[case, replace(PAPER, elements=s)] for s in (few, more))
-    value, both = _percent(coarse, fine)[mode - 1], 2 * RULES.rounding
+    value, both = relative_error(coarse, fine)[mode - 1], 2 * RULES.rounding
     holds = abs(value - quoted) <= both
     return outcome(holds, value=value, both=both, few=few, more=more, quoted=quoted)
 
@@ -120,7 +123,7 @@ def few_elements(facts: Facts, args: Args) -> Outcome:
     """Do more elements than these change the frequencies no further?"""
     hertz, elements, most = facts.hertz, args["elements"], getattr(RULES, args["limit"])
     models = [replace(PAPER, elements=s) for s in STEPS]
-    off = [[_percent(hertz[case, m], hertz[case, EXACT]) for case in CASES] for m in models]
+    off = [[relative_error(hertz[case, m], hertz[case, EXACT]) for case in CASES] for m in models]
     errors = np.abs(off)[:, :, np.array(args["modes"]) - 1].max(axis=(1, 2))
     worst = dict(zip(STEPS, errors.tolist(), strict=True))
     fewest = next((f"{s} or more" for s in STEPS if worst[s] <= most), "more than were tried")
@@ -168,10 +171,6 @@ def _within(facts: Facts, gaps: Array, limit: float) -> Outcome:
     return outcome(gaps[-1] <= limit, otherwise, gaps=gaps[ends], ratios=ratios[ends], ratio=ratio)
 
 
-def _percent(value: Any, against: Any) -> Array:
-    return np.asarray(100 * (np.asarray(value) / against - 1))
-
-
 def _off(value: float, quoted: float) -> str:
     return f"{100 * (value / quoted - 1):+.2f} %"
 
@@ -180,7 +179,7 @@ def _error(facts: Facts, reference: Reference, case: str, model: Named) -> Array
     """Return the model's error and the reference's own uncertainty, (2, 6) [%]."""
     f = reference.hertz[case]
     own = 100 * reference.uncertainty[case] / f
-    return np.array([_percent(facts.hertz[case, model], f), own])
+    return np.array([relative_error(facts.hertz[case, model], f), own])
 
 
 def _causes(facts: Facts, case: str, model: Named, i: int) -> str:

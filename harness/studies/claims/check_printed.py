@@ -26,12 +26,18 @@ def error_follows(facts: Facts, args: Args) -> Outcome:
     case, i = args["case"], args["mode"] - 1
     t, f, quoted = (facts.printed.table[case, method][i] for method in (THEORETICAL, FEA, ERROR))
     value, own = (float(column[i]) for column in _rows_error(facts, case))
-    of_theory, off, otherwise = 100 * (t - f) / t, abs(value - quoted), "otherwise"
-    if off <= RULES.rounding + own:
-        otherwise = "digits"
-    elif abs(of_theory - quoted) <= RULES.rounding + own:
-        otherwise = "of_theory"
-    return outcome(off <= INSIDE, otherwise, value=value, own=own, of_theory=of_theory)
+    of_theory = 100 * (t - f) / t
+    verdict, said = _follows(value, own, quoted)
+    if verdict == "otherwise" and abs(of_theory - quoted) <= RULES.rounding + own:
+        verdict = "of_theory"
+    return verdict, said | {"of_theory": of_theory}
+
+
+def _follows(value: float, own: float, quoted: float) -> Outcome:
+    """Is a value what is quoted: as it is rounded, or within what rounding does to it, `own`?"""
+    off = abs(value - quoted)
+    otherwise = "digits" if off <= RULES.rounding + own else "otherwise"
+    return outcome(off <= INSIDE, otherwise, value=value, own=own)
 
 
 def largest_printed(facts: Facts, args: Args) -> Outcome:
@@ -51,10 +57,8 @@ def saved_follows(facts: Facts, args: Args) -> Outcome:
     theory, fea, saved = (
         facts.printed.cost[k] for k in ("theoretical model", "finite-element model", "cost saved")
     )
-    value, own = 100 * (1 - theory / fea), 100 * RULES.rounding * (1 / fea + theory / fea**2)
-    off = abs(value - saved)
-    otherwise = "digits" if off <= RULES.rounding + own else "otherwise"
-    return outcome(off <= INSIDE, otherwise, value=value, own=own)
+    own = 100 * RULES.rounding * (1 / fea + theory / fea**2)
+    return _follows(100 * (1 - theory / fea), own, saved)
 
 
 def blocks(facts: Facts, args: Args) -> Outcome:

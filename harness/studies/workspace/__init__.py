@@ -57,14 +57,14 @@ def _layers(text: str) -> Array:
 
 
 def _length(name: str, text: str) -> Option:
-    parse = real(name, "millimetres from 0", 0.0)
-    return Option(name, "L", text, None, lambda given: parse(given) / 1000)
+    return Option(name, "L", text, None, real(name, "millimetres from 0", 0.0, unit=1e-3))
 
 
 def _angle(name: str, text: str) -> Option:
-    parse = real(name, "degrees above 0 and at most 180", float_info.min, 180.0)
     said = f"Largest angle of a limb from {text}; default 45 (none is printed)."
-    return Option(name, "ANGLE", said, None, lambda given: float(np.radians(parse(given))))
+    least, unit = float_info.min, np.pi / 180
+    parse = real(name, "degrees above 0 and at most 180", least, 180.0, unit)
+    return Option(name, "ANGLE", said, None, parse)
 
 
 OUTPUT = "workspace"
