@@ -6,14 +6,16 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from analytic.workspace import boundary
 from harness.bench import label
 from harness.figures import COLOURS, panels
-from harness.signatures import Array, Axes, Figure
+from harness.signatures import Array
 from harness.studies.workspace.checks import ripple
 from harness.studies.workspace.map import Grid, Region, WorkspaceMap
 
