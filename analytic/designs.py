@@ -5,12 +5,15 @@ scales with d, masses with rho d^3 and moments of inertia with rho d^5. So every
 to rods of 1 m, 1 Pa and 1 kg/m^3: all share one rod, and its tables.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic.condensed import CHUNK, lowest
+from analytic.description import PRINTED, disc
 from analytic.errors import InputError, count, number
 from analytic.kinematics import limbs_of
 from analytic.mechanism import Material, Mechanism, Platform, Rod
@@ -72,6 +75,57 @@ class Designs:
 
     def __len__(self) -> int:
         return len(self.z)
+
+    @classmethod
+    def of(cls, numbers: Mapping[str, Any], form: str = "disc", *, mirrored: bool = False) -> Self:
+        """Return designs from the `description.numbers` of regular mechanisms, or arrays of them.
+
+        `form`: what is made of their discs, as `description.disc` has it.
+        """
+        names = ("z", "azimuth", "tilt", "base_radius", "platform_radius", "rod_diameter",
+                 "young", "density")  # fmt: skip
+        return cls(*(numbers[name] for name in names), *disc(numbers, form), mirrored)
+
+    @property
+    def groups(self) -> dict[str, Floats]:
+        """What their frequencies are seen to depend on most, by name, (N,).
+
+        L is the length of a limb without tilt, m and Jz the platform's mass and polar moment.
+        """
+        r1, r2, d = self.base_radius, self.platform_radius, self.diameter
+        L = np.hypot(self.z, r1 - r2)
+        return {
+            "d / L^2 [1/m]": d / L**2,
+            "L [m]": L,
+            "d / L": d / L,
+            "r1 / L": r1 / L,
+            "r2 / L": r2 / L,
+            "(r2 - r1) / L": (r2 - r1) / L,
+            "Jz / (m r2^2)": self.polar / (self.mass * r2**2),
+            "m / (three limbs)": self.mass / (3 * self.density * np.pi / 4 * d**2 * L),
+            "r2 sin(theta) / L": r2 * np.abs(np.sin(self.tilt)) / L,
+        }
+
+
+def regular(mechanism: Mechanism) -> bool:
+    """Whether a mechanism is one of `Designs`, its platform a disc, or what Eq. 8 makes of one."""
+    if not mechanism.simple or mechanism.platform.form not in ("disc", PRINTED):
+        return False
+    r1, r2 = (float(np.hypot(*p[0, :2])) for p in (mechanism.bases, mechanism.platform_points))
+    rod, first = mechanism.limbs[0].rod, heading(mechanism)
+    if len(mechanism.limbs) != 3 or not r1 or not r2:
+        return False
+    same = Mechanism.regular(r1, r2, rod, mechanism.platform, heading=first)
+    return all(limb.rod == rod for limb in mechanism.limbs) and all(
+        np.allclose(getattr(same, name), getattr(mechanism, name), atol=1e-9)
+        for name in ("bases", "axes", "platform_points")
+    )
+
+
+def heading(mechanism: Mechanism) -> float:
+    """Return the angle of the first limb's base about z [rad]."""
+    x, y, _ = mechanism.limbs[0].base
+    return float(np.arctan2(y, x))
 
 
 def design_frequencies(

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,41 +103,16 @@ def quantities(whole: Problem, x: Floats, J: Floats, noise: float) -> list[Quant
     keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
     information = J[:, keep].T @ J[:, keep] / noise**2 + np.diag(1 / prior[keep])
     covariance = np.linalg.inv(information)
-    # Its value, and those a small step of the logarithm of each parameter up and down.
-    steps = 1e-5 * np.concatenate(
-        [np.zeros((1, len(x))), np.eye(len(x))[keep], -np.eye(len(x))[keep]]
-    )
+    # Their values, and those a small step of the logarithm of each parameter up and down.
+    steps = 1e-5 * np.eye(len(x))[keep]
+    steps = np.concatenate([0 * steps[:1], steps, -steps])
+    tilted = max(whole.at(dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))),
+                 key=lambda values: np.abs(values["tilt_deg"]).max())  # fmt: skip
     found = []
-    for name, values in combinations(
-        dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))
-    ).items():
-        up, down = np.split(np.log(np.abs(values[1:])), 2)
-        slope = (up - down) / 2e-5
-        before, after = np.sqrt(slope**2 @ prior[keep]), np.sqrt(slope @ covariance @ slope)
-        found.append(Quantity(name, float(values[0]), float(before), float(after)))
+    for name, values in whole.designs(tilted).groups.items():
+        if values.all():  # without tilt one of them is zero
+            up, down = np.split(np.log(np.abs(values[1:])), 2)
+            slope = (up - down) / 2e-5
+            before, after = np.sqrt(slope**2 @ prior[keep]), np.sqrt(slope @ covariance @ slope)
+            found.append(Quantity(name, float(values[0]), float(before), float(after)))
     return found
-
-
-def combinations(p: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the combinations with a name, of numbers or arrays in the units of their names.
-
-    L is the length of a limb without tilt, m the platform's mass.
-    """
-    r1, r2, R = (p[f"{name}_radius_mm"] / 1e3 for name in ("base", "platform", "disc"))
-    z, h, d = (p[f"{name}_mm"] / 1e3 for name in ("z", "platform_thickness", "rod_diameter"))
-    L = np.hypot(z, r1 - r2)
-    tilted = (
-        {"r2 sin(theta) / L": r2 * np.abs(np.sin(np.radians(p["tilt_deg"]))) / L}
-        if "tilt_deg" in p
-        else {}
-    )
-    return {
-        PINNED: d / L**2,
-        "L [m]": L,
-        "d / L": d / L,
-        "r1 / L": r1 / L,
-        "r2 / L": r2 / L,
-        "(r2 - r1) / L": (r2 - r1) / L,
-        "Jz / (m r2^2)": 0.5 * (R / r2) ** 2,
-        "m / (three limbs)": R**2 * h / (3 * d**2 / 4 * L),
-    } | tilted

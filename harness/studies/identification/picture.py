@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from harness.figures import COLOURS, MARKERS
 from harness.studies.identification.estimate import Fit
-from harness.studies.identification.parameters import unit
+from harness.studies.identification.parameters import split
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,8 +31,8 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     for k, one in enumerate(fits):
         _draw_profiles(above, one, COLOURS[k], LOWEST + k * STEP)
     for axes, name in zip(above, names, strict=True):
-        words = name.removesuffix(f"_{unit(name)}").replace("_", " ")
-        axes.set_xlabel(f"{words} [{unit(name).replace('_', '/')}]", fontsize=9)
+        words, unit = split(name)
+        axes.set_xlabel(f"{words.replace('_', ' ')} [{unit}]", fontsize=9)
         axes.grid(alpha=0.25)
         axes.tick_params(labelsize=8)
         axes.set_ylim(-0.2 * axes.get_ylim()[1], None)

@@ -9,27 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError, NotCertifiedError
-from analytic.designs import Designs, design_frequencies
+from analytic.designs import Designs, design_frequencies, heading, regular
 from harness.bench import label
 from harness.studies.identification.fit import Residuals
 from harness.studies.identification.parameters import (
-    ANGLES,
     FOLLOWS,
     INERTIAS,
-    UNITS,
     Parameter,
-    body,
     described,
-    heading,
     parameters,
-    regular,
-    unit,
 )
 from harness.studies.identification.table import FrequencyTable
 from reference_models import Named
 
 Floats = NDArray[np.float64]
-POSE = (*ANGLES, "z_mm", "x_mm", "y_mm")
 FAR = 10.0
 """What a residual is, of ln f, where no such mechanism can be."""
 
@@ -117,9 +110,10 @@ class Problem:
         found: list[dict[str, str]] = [{} for _ in cases]
         for name in sorted(self.names, key=lambda name: "." not in name):  # own ones first
             case, dot, own = name.rpartition(".")
-            if own not in self.known[0] or (dot and (own not in POSE or case not in cases)):
-                poses = ", ".join(f"{cases[-1]}.{p}" for p in self.known[0] if p in POSE)
-                expected = f"one of {', '.join(self.known[0])}, or of one case as {poses}"
+            known = self.known[0]
+            if own not in known or (dot and not (known[own].posed and case in cases)):
+                poses = ", ".join(f"{cases[-1]}.{n}" for n, p in known.items() if p.posed)
+                expected = f"one of {', '.join(known)}, or of one case as {poses}"
                 raise InputError(self.argument, name, expected)
             for one, names in zip(self.table.cases, found, strict=True):
                 level = own in ("azimuth_deg", "tilt_deg") and one.pose.tilt == 0
@@ -206,18 +200,17 @@ class Problem:
                         raise
         return found
 
+    def designs(self, values: Mapping[str, Any]) -> Designs:
+        """Return designs from values of all parameters, or arrays of them."""
+        si = {p.name: values[name] * p.si for name, p in self.known[0].items()}
+        return Designs.of(si, INERTIAS[self.inertia], mirrored=self.mirrored)
+
     def _of_designs(self, own: list[dict[str, Any]], rows: int) -> Floats:
         cases, modes = self.table.frequencies.shape
         columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in own]) for n in self.known[0]}
-        si = {name: value * UNITS[unit(name)] for name, value in columns.items()}
         mechanism = self.table.cases[0].mechanism
-        designs = Designs(
-            si["z_mm"], si["azimuth_deg"], si["tilt_deg"], si["base_radius_mm"],
-            si["platform_radius_mm"], si["rod_diameter_mm"], si["young_GPa"], si["density_kg_m3"],
-            *body(columns, self.inertia), self.mirrored,
-        )  # fmt: skip
         f = design_frequencies(
-            designs,
+            self.designs(columns),
             self.model.elements if isinstance(self.model.elements, int) else None,
             beam=self.model.name,
             shear=dict(self.model.settings).get("shear", "cowper"),

@@ -13,7 +13,7 @@ from harness.case import Case
 from harness.compare import cell, cells
 from harness.result import Result
 from harness.rows import mode_rows, settings
-from harness.studies.identification.directions import PINNED, combinations
+from harness.studies.identification.directions import PINNED
 from harness.studies.identification.estimate import LEVEL, Fit, Reading
 from harness.studies.identification.parameters import described
 from harness.tables import Cell, Number, Table
@@ -260,7 +260,8 @@ def _pinned(one: Fit) -> list[str]:
     known = one.assumed is not None
     width = (stats.norm if known else stats.t(one.freedom)).ppf((1 + LEVEL) / 2)
     low, high = found.value * np.exp(np.array([-1, 1]) * width * found.after)
-    given = " and ".join(dict.fromkeys(f"{combinations(p)[PINNED]:.4f}" for p in one.problem.base))
+    stated = (one.problem.designs(base).groups[PINNED].item() for base in one.problem.base)
+    given = " and ".join(dict.fromkeys(f"{value:.4f}" for value in stated))
     return [
         f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
         f"{high:.4f} at {100 * LEVEL:.0f} %, E and rho as given); the given parameters make it "

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from analytic import Continuum, InputError
+from analytic.description import numbers
 from harness.case import Case
 from harness.case_file import load_cases
 from harness.paper import SHIPPED
@@ -56,8 +57,8 @@ STATED = {
     "length": ("rod_length_mm", 550), "radius": ("disc_radius_mm", 210),
     "thickness": ("platform_thickness_mm", 25), "platform": ("platform_density_kg_m3", 7000),
     "base": ("base_radius_mm", 350), "point": ("platform_radius_mm", 180),
-    "drive": ("P_stiffness_N_m", 1.2e8), "first": ("P1_stiffness_Nm_rad", 6e5),
-    "second": ("P2_stiffness_Nm_rad", 8e5), "body": ("body_mass_kg", 12), "z": ("z_mm", -900),
+    "drive": ("P1_stiffness_N_m", 1.2e8), "first": ("P2_stiffness_Nm_rad", 6e5),
+    "second": ("P3_stiffness_Nm_rad", 8e5), "body": ("body_mass_kg", 12), "z": ("z_mm", -900),
     "azimuth": ("azimuth_deg", 25), "tilt": ("tilt_deg", 15),
 }  # fmt: skip
 """What each blank of `CARRIAGES` is called, and a value."""
@@ -94,12 +95,13 @@ def test_every_number_of_a_file_is_read_and_changed(tmp_path: Path) -> None:
 
 
 def test_what_is_equal_is_one_parameter_and_what_differs_is_numbered() -> None:
+    found = numbers(CASES["hexapod"].mechanism, CASES["hexapod"].pose)
     rods = {n: p for n, p in parameters(CASES["hexapod"]).items() if n.startswith("rod")}
     names = "rod1_diameter_mm", "rod1_bore_mm", "rod1_length_mm", "rod2_diameter_mm"
     assert {n: p.value for n, p in rods.items()} == pytest.approx(
         dict(zip(names, (70, 50, 420, 40), strict=True))
     )
-    assert [len(p.paths) for p in rods.values()] == [6, 6, 6, 6]
+    assert [len(n.places) for k, n in found.items() if k.startswith("rod")] == [6, 6, 6, 6]
     own = parameters(CASES["rps-real"])
     assert own["R1_stiffness_Nm_rad"].value == 4e5 and own["R2_stiffness_Nm_rad"].value == 3e5
     # Two equal moments are one: a hexapod's platform stays as round as it is.
@@ -119,7 +121,7 @@ def test_planted_numbers_come_back_but_for_what_elements_cost() -> None:
     By as much beside them as the elements' errors make: to first order pinv(J) times these.
     """
     case = CASES["prs"]
-    planted = {"P_stiffness_N_m": 0.9e8, "rod_diameter_mm": 52.0}
+    planted = {"P1_stiffness_N_m": 0.9e8, "rod_diameter_mm": 52.0}
     values = {name: p.value for name, p in parameters(case).items()} | planted
     truth = described(case, values)
     exact = Continuum("timoshenko").modes(*truth, 6).frequencies
@@ -152,7 +154,7 @@ def test_what_a_table_cannot_tell_is_left_open() -> None:
     assert list(found.left[-1].exponents.values()) == pytest.approx([1, 1], abs=1e-4)
     assert found.left[0].deviation < 0.01
     assert any(line.startswith("The table leaves E rho open") for line in said)
-    found, said = left_open(CASES["prs"], "z_mm", "P_stiffness_N_m")
+    found, said = left_open(CASES["prs"], "z_mm", "P1_stiffness_N_m")
     np.testing.assert_array_equal(found.open, [[True, True], [False, False]])
     low, high = found.alone[1]
     assert low < 1.2e8 < high < 1.01 * low
@@ -201,7 +203,7 @@ def test_where_no_such_mechanism_can_be_it_is_far_off() -> None:
 @pytest.mark.parametrize(
     ("names", "how", "says"),
     [
-        (("mass",), {}, r"parameters = 'mass': expected one of z_mm, .*P2_stiffness_Nm_rad"),
+        (("mass",), {}, r"parameters = 'mass': expected one of z_mm, .*P3_stiffness_Nm_rad"),
         (("z_mm",), {"mirrored": True}, "frames = 'mirrored': expected stated: any other is known"),
         (("z_mm",), {"inertia": "printed"}, "inertia = 'printed': expected disc: any other is"),
         (("body_mass_kg",), {"bounds": {"body_mass_kg": (-1, 2)}}, "expected bounds above 0"),
