@@ -12,12 +12,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic.condensed import CHUNK, lowest
-from analytic.description import PRINTED, disc
-from analytic.errors import InputError, count, number
+from analytic.condensed import CHUNK, condensed_frequencies, lowest
+from analytic.description import PRINTED, disc, numbers, with_numbers
+from analytic.errors import InputError, NotCertifiedError, count, number
 from analytic.kinematics import limbs_of
 from analytic.mechanism import Material, Mechanism, Platform, Rod
-from analytic.pose import CLOSURE, closure, leaned
+from analytic.pose import CLOSURE, Pose, closure, leaned
 from analytic.reduced import constants
 from analytic.theory import Theory
 
@@ -84,7 +84,8 @@ class Designs:
         """
         names = ("z", "azimuth", "tilt", "base_radius", "platform_radius", "rod_diameter",
                  "young", "density")  # fmt: skip
-        return cls(*(numbers[name] for name in names), *disc(numbers, form), mirrored)
+        values = [numbers[name] for name in names]
+        return cls(*[*values, *disc(numbers, form), mirrored])
 
     @property
     def groups(self) -> dict[str, Floats]:
@@ -105,6 +106,46 @@ class Designs:
             "m / (three limbs)": self.mass / (3 * self.density * np.pi / 4 * d**2 * L),
             "r2 sin(theta) / L": r2 * np.abs(np.sin(self.tilt)) / L,
         }
+
+
+def varied_frequencies(
+    mechanism: Mechanism,
+    pose: Pose,
+    changes: Mapping[str, Any],
+    elements: int | None = None,
+    *,
+    beam: str = "euler-bernoulli",
+    shear: str | float = "cowper",
+    modes: int = 6,
+    form: str = "disc",
+    mirrored: bool = False,
+) -> Floats:
+    """Return the `modes` lowest frequencies [Hz] of mechanisms that differ in some numbers, (N, m).
+
+    `changes`: values (N,) of some of the `description.numbers` of `mechanism` at `pose`, SI. Those
+    of `regular` mechanisms are solved in one call, with discs of `form` and frames `mirrored` as in
+    `Designs`; others one by one. NaN where there can be no such mechanism. `elements`, `beam`,
+    `shear` as in `condensed_frequencies`.
+    """
+    if regular(mechanism) and pose.x is None:
+        given = {name: number.value for name, number in numbers(mechanism, pose).items()}
+        designs = Designs.of(given | dict(changes), form, mirrored=mirrored)
+        poisson = mechanism.limbs[0].rod.material.poisson
+        return design_frequencies(
+            designs, elements, beam=beam, shear=shear, poisson=poisson,
+            heading=heading(mechanism), modes=modes,
+        )  # fmt: skip
+    rows = np.stack(np.broadcast_arrays(np.zeros(1), *changes.values()), axis=-1)[:, 1:]
+    found = np.full((len(rows), modes), np.nan)
+    for row, values in enumerate(rows.tolist()):
+        try:
+            there = with_numbers(mechanism, pose, dict(zip(changes, values, strict=True)))
+            found[row] = condensed_frequencies(
+                *there, elements, beam=beam, shear=shear, count=modes
+            )
+        except (InputError, NotCertifiedError, np.linalg.LinAlgError, ArithmeticError):
+            continue
+    return found
 
 
 def regular(mechanism: Mechanism) -> bool:

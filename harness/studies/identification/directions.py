@@ -109,7 +109,7 @@ def quantities(whole: Problem, x: Floats, J: Floats, noise: float) -> list[Quant
     tilted = max(whole.at(dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))),
                  key=lambda values: np.abs(values["tilt_deg"]).max())  # fmt: skip
     found = []
-    for name, values in whole.designs(tilted).groups.items():
+    for name, values in whole.groups(tilted).items():
         if values.all():  # without tilt one of them is zero
             up, down = np.split(np.log(np.abs(values[1:])), 2)
             slope = (up - down) / 2e-5

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ Floats = NDArray[np.float64]
 
 LEVEL = 0.95
 """Confidence of every interval."""
+ENDS = ("alone_from", "alone_to", "together_from", "together_to")
 READING_STARTS = 4
 """Starts of each reading's search: there are hundreds of readings."""
 
@@ -74,6 +76,10 @@ class Reading:
         left = n - k - 1
         return 2 * n * np.log(self.rms) + 2 * k + 2 * k * (k + 1) / left if left > 0 else np.nan
 
+    def ends(self, k: int) -> dict[str, Any]:
+        """What is known of where the k-th parameter may be, by column."""
+        return {"at_bound": self.problem.names[k] in self.held}
+
     def __str__(self) -> str:
         """What its parameters are fitted to; *: at a bound."""
         held = self.held
@@ -100,7 +106,12 @@ class Fit(Reading):
     assumed: float | None
     freedom: int
 
-    @cached_property
+    def ends(self, k: int) -> dict[str, Any]:
+        """95 % intervals of the k-th parameter alone, and of all together, by column."""
+        found = zip(ENDS, (*self.alone[k], *self.together[k]), strict=True)
+        return {**dict(found), "at_bound": bool(self.open[k].any())}
+
+    @property
     def heights(self) -> list[float]:
         """How far S rises to the ends of `alone` and of `together`."""
         sums = np.array([self.sum])

@@ -3,6 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, pi
+from typing import Any
+
+import numpy as np
 
 from analytic import Mechanism, Pose
 from analytic.description import PRINTED, numbers, with_numbers
@@ -85,14 +88,15 @@ def parameters(case: Case) -> dict[str, Parameter]:
     return found
 
 
-def described(
-    case: Case, values: Mapping[str, float], inertia: str | None = None
-) -> tuple[Mechanism, Pose]:
+def changes(known: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return in SI, by their names in `numbers`, the `values` that are not as they were."""
+    moved = {name: p for name, p in known.items() if np.any(values[name] != p.value)}
+    return {p.name: values[name] * p.si for name, p in moved.items()}
+
+
+def described(case: Case, values: Mapping[str, float], form: str | None) -> tuple[Mechanism, Pose]:
     """Return the mechanism and the pose of a case with its parameters changed to `values`.
 
-    `inertia` of a disc: "disc" or "printed"; None: as it is.
+    `form` of a disc as `with_numbers` takes it.
     """
-    known = parameters(case)
-    changes = {p.name: values[n] * p.si for n, p in known.items() if values[n] != p.value}
-    form = INERTIAS[inertia] if inertia else None
-    return with_numbers(case.mechanism, case.pose, changes, form)
+    return with_numbers(case.mechanism, case.pose, changes(parameters(case), values), form)

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import InputError, NotCertifiedError
-from analytic.designs import Designs, design_frequencies, heading, regular
+from analytic import InputError
+from analytic.designs import Designs, regular, varied_frequencies
 from harness.bench import label
 from harness.studies.identification.fit import Residuals
 from harness.studies.identification.parameters import (
     FOLLOWS,
     INERTIAS,
     Parameter,
-    described,
+    changes,
     parameters,
 )
 from harness.studies.identification.table import FrequencyTable
@@ -53,13 +53,12 @@ class Problem:
             raise InputError("model", self.model.label, expected)
         if any(case.mechanism != cases[0].mechanism for case in cases):
             raise InputError("table", [c.name for c in cases], "cases of one mechanism")
-        for name, given, usual in (
-            ("frames", "mirrored" if self.mirrored else "stated", "stated"),
-            ("inertia", self.inertia, "disc"),
-        ):
-            if given != usual and not self.regular:
-                only = "known of three equal R-P-S limbs and a disc alone"
-                raise InputError(name, given, f"{usual}: any other is {only}")
+        if any(known.keys() != self.known[0].keys() for known in self.known):
+            raise InputError("table", [c.name for c in cases], "x and y in all poses, or in none")
+        for name, given in (("frames", self.frames), ("inertia", self.inertia)):
+            if given not in ("stated", "disc") and not self.regular:
+                expected = "no such slip but of three equal R-P-S limbs and a disc"
+                raise InputError(name, given, expected)
         assert len(self.limits) == 2, "names and bounds are refused here"
 
     @property
@@ -180,45 +179,32 @@ class Problem:
             found.append(own)
         return found
 
-    def frequencies(self, x: Floats, *, strict: bool = False) -> Floats:
+    def frequencies(self, x: Floats) -> Floats:
         """Return f [Hz] of all cases at x (M, P), shape (M, cases, modes).
 
-        NaN where there can be no such mechanism; if `strict`, the reason is raised.
+        NaN where there can be no such mechanism.
         """
-        own = self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))
-        if self.regular:
-            return self._of_designs(own, len(x))
-        found = np.full((len(x), *self.table.frequencies.shape), np.nan)
-        for c, (case, values) in enumerate(zip(self.table.cases, own, strict=True)):
-            for m in range(len(x)):
-                one = {n: float(v[m] if np.ndim(v) else v) for n, v in values.items()}
-                try:
-                    there = described(case, one)
-                    found[m, c] = self.model.frequencies(*there, found.shape[2])
-                except (InputError, NotCertifiedError, np.linalg.LinAlgError, ArithmeticError):
-                    if strict:
-                        raise
-        return found
-
-    def designs(self, values: Mapping[str, Any]) -> Designs:
-        """Return designs from values of all parameters, or arrays of them."""
-        si = {p.name: values[name] * p.si for name, p in self.known[0].items()}
-        return Designs.of(si, INERTIAS[self.inertia], mirrored=self.mirrored)
-
-    def _of_designs(self, own: list[dict[str, Any]], rows: int) -> Floats:
-        cases, modes = self.table.frequencies.shape
-        columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in own]) for n in self.known[0]}
-        mechanism = self.table.cases[0].mechanism
-        f = design_frequencies(
-            self.designs(columns),
+        rows, (cases, modes) = len(x), self.table.frequencies.shape
+        at = self.at(dict(zip(self.names, self.from_x(x).T, strict=True)))
+        columns = {n: np.ravel([np.broadcast_to(p[n], rows) for p in at]) for n in self.known[0]}
+        f = varied_frequencies(
+            self.table.cases[0].mechanism,
+            self.table.cases[0].pose,
+            changes(self.known[0], columns),
             self.model.elements if isinstance(self.model.elements, int) else None,
             beam=self.model.name,
             shear=dict(self.model.settings).get("shear", "cowper"),
-            poisson=mechanism.limbs[0].rod.material.poisson,
-            heading=heading(mechanism),
             modes=modes,
+            form=INERTIAS[self.inertia],
+            mirrored=self.mirrored,
         )
-        return np.asarray(f.reshape(cases, rows, modes).swapaxes(0, 1))
+        f = np.broadcast_to(f, (cases * rows, modes))
+        return f.reshape(cases, rows, modes).swapaxes(0, 1)
+
+    def groups(self, values: Mapping[str, Any]) -> dict[str, Floats]:
+        """Return the combinations with a name, from values of all parameters or arrays of them."""
+        si = {p.name: values[name] * p.si for name, p in self.known[0].items()}
+        return Designs.of(si, INERTIAS[self.inertia]).groups
 
     def residuals(self, observed: Floats) -> Residuals:
         """Return what a fit minimises: weighted ln f - `observed`, (T, cases * modes).
@@ -226,8 +212,9 @@ class Problem:
         The fit's `owner` says which row of `observed` it is for; a single row serves all.
         """
         root = np.sqrt(self.table.weights)
-        if not self.regular:
-            self.frequencies(self.start[None], strict=True)
+        for case, row in zip(self.table.cases, self.table.frequencies, strict=True):
+            if not self.regular:  # or it says why not, before any fit
+                self.model.frequencies(case.mechanism, case.pose, len(row))
 
         def residuals(x: Floats, owner: NDArray[np.intp]) -> Floats:
             own = observed if len(observed) == 1 else observed[owner]

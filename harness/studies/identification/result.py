@@ -15,7 +15,7 @@ from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.studies.identification.directions import PINNED
 from harness.studies.identification.estimate import LEVEL, Fit, Reading
-from harness.studies.identification.parameters import described
+from harness.studies.identification.parameters import INERTIAS, described
 from harness.tables import Cell, Number, Table
 from harness.workers import Failure
 
@@ -30,8 +30,6 @@ MIRRORED = (
     "mirrored frames: a slip and no mechanism: limbs of the right length that lean from the "
     "vertical to the wrong side"
 )
-ENDS = ("alone_from", "alone_to", "together_from", "together_to")
-"""Columns of the ends of 95 % intervals."""
 LOOSE = 0.5
 VERDICTS = {0.05: "pins it down", LOOSE: "knows it loosely", np.inf: "leaves it open"}
 """What is said of a deviation below each of these."""
@@ -61,18 +59,23 @@ class Identification(Result):
 
         Ends of 95 % intervals of the parameter alone, and of all together; NaN where none is known.
         """
-        for one in self.fits:
+        ranked = [
+            ("reading", rank, one)
+            for _, _, some in grouped(self.readings)
+            for rank, one in enumerate(some[:KEPT], start=1)
+        ]
+        for kind, rank, one in [*(("fit", 1, fit) for fit in self.fits), *ranked]:
+            problem = one.problem
+            about = {
+                "table": problem.table.source, "model": label(problem.model),
+                "inertia": problem.inertia, "frames": problem.frames, "free": len(problem.names),
+                "kind": kind, "rank": rank, "rms_percent": 100 * one.rms,
+                "worst_percent": one.worst, "aicc": np.nan if kind == "fit" else one.criterion,
+            }  # fmt: skip
             for k, (name, value) in enumerate(one.fitted.items()):
-                ends = zip(ENDS, (*one.alone[k], *one.together[k]), strict=True)
-                own = {"parameter": name, "value": value, **dict(ends)}
-                yield _about(one, "fit", 1) | own | {"at_bound": bool(one.open[k].any())}
-        for _, _, some in grouped(self.readings):
-            for rank, r in enumerate(some[:KEPT], start=1):
-                how, held = _about(r, "reading", rank), r.held
-                if not r.fitted:
-                    yield how
-                for name, value in r.fitted.items():
-                    yield how | {"parameter": name, "value": value, "at_bound": name in held}
+                yield about | {"parameter": name, "value": value} | one.ends(k)
+            if not one.fitted:
+                yield about
 
     def tables(self) -> dict[str, Table]:
         """Return readings, parameters, what is left, and what the table pins down."""
@@ -102,16 +105,6 @@ class Identification(Result):
         lines += _one_free(ranked)
         with_base = [one for one in fits if BASE in one.problem.names]
         return lines + (_lean(*with_base) if len(with_base) == 2 else [])
-
-
-def _about(one: Reading, kind: str, rank: int) -> dict[str, Any]:
-    problem = one.problem
-    return {
-        "table": problem.table.source, "model": label(problem.model), "inertia": problem.inertia,
-        "frames": problem.frames, "free": len(problem.names), "kind": kind, "rank": rank,
-        "rms_percent": 100 * one.rms, "worst_percent": one.worst,
-        "aicc": np.nan if kind == "fit" else one.criterion,
-    }  # fmt: skip
 
 
 def readings_table(ranked: Sequence[Reading]) -> Table:
@@ -165,27 +158,26 @@ def closest_note(ranked: Sequence[Reading]) -> str:
 def parameters_table(fits: Sequence[Fit]) -> Table:
     """Return fitted parameters with their intervals, and whether what was given lies inside."""
     rows: list[tuple[Cell, ...]] = []
-    notes, level = [], f"{100 * LEVEL:.0f} %"
+    notes = []
     for one in fits:
-        for k, (parameter, value) in enumerate(one.fitted.items()):
-            given, (low, high) = float(one.problem.given[k]), one.together[k]
-            ends = (
+        found, table = one.problem, one.problem.table
+        for k, (name, value) in enumerate(one.fitted.items()):
+            ends = [
                 f"none ({_number(end)})" if opened else _number(end)
-                for end, opened in zip((low, high), one.open[k], strict=True)
-            )
-            rows.append(
-                (one.problem.label, parameter, _number(value), *map(_number, one.alone[k]), *ends,
-                 _number(given), "inside" if low <= given <= high else "outside")
-            )  # fmt: skip
-        source = "as given"
+                for end, opened in zip(one.together[k], one.open[k], strict=True)
+            ]
+            low, high = one.together[k]
+            lies = "inside" if low <= found.given[k] <= high else "outside"
+            rows.append((found.label, name, _number(value), *map(_number, one.alone[k]), *ends,
+                         _number(found.given[k]), lies))  # fmt: skip
+        source = "from the rounding of the table" if one.assumed == table.rounding else "as given"
         if one.assumed is None:
             source = f"from the residuals themselves ({one.freedom} to spare)"
-        elif one.assumed == one.problem.table.rounding:
-            source = "from the rounding of the table"
         notes.append(
-            f"{one.problem.label}: rms {100 * one.rms:.2f} %, noise {100 * one.noise:.3g} % a "
-            f"value, {source}; {one.reached} starts met at this minimum"
+            f"{found.label}: rms {100 * one.rms:.2f} %, noise {100 * one.noise:.3g} % a value, "
+            f"{source}; {one.reached} starts met at this minimum"
         )
+    level = f"{100 * LEVEL:.0f} %"
     notes += [
         f"profile likelihood: 'alone' holds each true value in {level} of tables, 'together' all "
         f"of them at once in at least {level}",
@@ -216,6 +208,8 @@ def residuals_table(fits: Sequence[Fit]) -> Table:
 
 def directions_table(one: Fit) -> Table:
     """Return the products of powers, and how well each is known."""
+    always = ", whatever the table; they tell neither scale nor E and rho raised alike"
+    always = always if one.problem.named else ""
     rows = tuple(
         (str(d), cell(100 * d.deviation, none="infinite") if not 10 <= d.deviation < np.inf
          else "over 1000", _verdict(d.deviation))
@@ -224,12 +218,7 @@ def directions_table(one: Fit) -> Table:
     notes = (
         f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
         "left out; theta and phi: tilt and azimuth themselves",
-        "infinite: frequencies do not change at all along these"
-        + (
-            ", whatever the table; they tell neither scale nor E and rho raised alike"
-            if one.problem.named
-            else ""
-        ),
+        "infinite: frequencies do not change at all along these" + always,
     )
     columns = ("Product of powers", "1 sigma [%]", "The table")
     return Table("What the table pins down, and what not", columns, rows, notes)
@@ -260,7 +249,7 @@ def _pinned(one: Fit) -> list[str]:
     known = one.assumed is not None
     width = (stats.norm if known else stats.t(one.freedom)).ppf((1 + LEVEL) / 2)
     low, high = found.value * np.exp(np.array([-1, 1]) * width * found.after)
-    stated = (one.problem.designs(base).groups[PINNED].item() for base in one.problem.base)
+    stated = (one.problem.groups(base)[PINNED].item() for base in one.problem.base)
     given = " and ".join(dict.fromkeys(f"{value:.4f}" for value in stated))
     return [
         f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
@@ -330,31 +319,25 @@ def solved(fits: Sequence[Fit], ranked: Sequence[Reading], bench: Bench) -> list
     """Return rows for the history: what the models say of what was fitted.
 
     Of every fit, and of the best reading of each number of free parameters; those with mirrored
-    frames left out, for they are no mechanism.
+    frames left out, for they are no mechanism. To six digits of the parameters, beyond which
+    another seed finds others (5e-6 measured): another machine's last bits then hardly ever make of
+    the same fit another mechanism with a hash of its own.
     """
     best = [some[0] for count, _, some in grouped(ranked) if count]
     found: dict[tuple[object, ...], Reading] = {}
     for one in (*fits, *best):
         if not one.problem.mirrored:
             found.setdefault((one.problem.model, one.problem.names, one.problem.inertia), one)
-    return [row for one in found.values() for row in _rows(one, bench)]
-
-
-def _rows(one: Reading, bench: Bench) -> list[dict[str, Any]]:
-    """Return what the model says of the mechanism with the fitted values.
-
-    To six digits, beyond which another seed finds others (5e-6 measured): another machine's last
-    bits then hardly ever make of the same fit another mechanism with a hash of its own.
-    """
-    fitted = {name: float(f"{value:.6g}") for name, value in one.fitted.items()}
-    table, model, inertia = one.problem.table, one.problem.model, one.problem.inertia
-    count = table.frequencies.shape[1]
-    found = []
-    for case, own in zip(table.cases, one.problem.at(fitted), strict=True):
-        mechanism, pose = described(case, own, inertia)
-        how = settings(model, count + SPARE, table=table.source, case=case.name, fitted=fitted)
-        modes = bench.solve(model, mechanism, pose, count + SPARE)
-        if not isinstance(modes, Failure):
-            there = Case(IDENTIFIED, mechanism, pose, f"fitted to {table.source}")
-            found += mode_rows(there, label(model), how, modes, count)
-    return found
+    rows = []
+    for problem, fitted in ((one.problem, one.fitted) for one in found.values()):
+        values = {name: float(f"{value:.6g}") for name, value in fitted.items()}
+        table, model, count = problem.table, problem.model, problem.table.frequencies.shape[1]
+        for case, own in zip(table.cases, problem.at(values), strict=True):
+            form = INERTIAS[problem.inertia] if problem.regular else None
+            mechanism, pose = described(case, own, form)
+            how = settings(model, count + SPARE, table=table.source, case=case.name, fitted=values)
+            modes = bench.solve(model, mechanism, pose, count + SPARE)
+            if not isinstance(modes, Failure):
+                there = Case(IDENTIFIED, mechanism, pose, f"fitted to {table.source}")
+                rows += mode_rows(there, label(model), how, modes, count)
+    return rows

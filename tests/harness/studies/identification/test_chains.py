@@ -85,11 +85,11 @@ def test_every_number_of_a_file_is_read_and_changed(tmp_path: Path) -> None:
     other, changed = stated(tmp_path / "other.toml", 1.03)
     for one, known in ((case, values), (other, changed)):
         assert {n: p.value for n, p in parameters(one).items()} == pytest.approx(known, rel=1e-12)
-    mechanism, pose = described(case, changed)
+    mechanism, pose = described(case, changed, None)
     expected = MODEL.frequencies(other.mechanism, other.pose)
     np.testing.assert_allclose(MODEL.frequencies(mechanism, pose), expected, rtol=1e-9)
     assert (np.abs(MODEL.frequencies(case.mechanism, case.pose) / expected - 1) > 1e-3).any()
-    assert described(case, {n: p.value for n, p in parameters(case).items()}) == (
+    assert described(case, {n: p.value for n, p in parameters(case).items()}, None) == (
         case.mechanism, case.pose,
     )  # fmt: skip
 
@@ -109,6 +109,7 @@ def test_what_is_equal_is_one_parameter_and_what_differs_is_numbered() -> None:
         CASES["hexapod"],
         {n: p.value for n, p in parameters(CASES["hexapod"]).items()}
         | {"platform_inertia_xx_kg_m2": 2.0, "platform_mass_kg": 50.0},
+        None,
     )
     np.testing.assert_allclose(mechanism.platform.inertia, np.diag([2.0, 2.0, 3.1]))
     assert mechanism.platform.mass == 50
@@ -123,7 +124,7 @@ def test_planted_numbers_come_back_but_for_what_elements_cost() -> None:
     case = CASES["prs"]
     planted = {"P1_stiffness_N_m": 0.9e8, "rod_diameter_mm": 52.0}
     values = {name: p.value for name, p in parameters(case).items()} | planted
-    truth = described(case, values)
+    truth = described(case, values, None)
     exact = Continuum("timoshenko").modes(*truth, 6).frequencies
     problem = Problem(table(case, exact), MODEL, tuple(planted))
     (found,) = fit(problem, np.log(exact)[None], noise=1e-6, starts=1)
@@ -196,16 +197,14 @@ def test_where_no_such_mechanism_can_be_it_is_far_off() -> None:
     assert np.isfinite(f[0]).all() and np.isnan(f[1]).all()
     off = problem.residuals(problem.table.logarithms[None])(x, np.zeros(2, dtype=np.intp))
     np.testing.assert_allclose(off, [[0] * 6, [FAR] * 6], atol=1e-9)
-    with pytest.raises(InputError, match="expected rods that reach"):
-        problem.frequencies(x, strict=True)
 
 
 @pytest.mark.parametrize(
     ("names", "how", "says"),
     [
         (("mass",), {}, r"parameters = 'mass': expected one of z_mm, .*P3_stiffness_Nm_rad"),
-        (("z_mm",), {"mirrored": True}, "frames = 'mirrored': expected stated: any other is known"),
-        (("z_mm",), {"inertia": "printed"}, "inertia = 'printed': expected disc: any other is"),
+        (("z_mm",), {"mirrored": True}, "frames = 'mirrored': expected no such slip but of"),
+        (("z_mm",), {"inertia": "printed"}, "inertia = 'printed': expected no such slip"),
         (("body_mass_kg",), {"bounds": {"body_mass_kg": (-1, 2)}}, "expected bounds above 0"),
     ],
 )

@@ -89,7 +89,7 @@ def test_a_fitted_mechanism_has_the_frequencies_of_the_fit(inertia):
     given = problem.frequencies(problem.start[None])[0]
     assert (np.abs(expected / given - 1) > 1e-3).all()
     for case, own, f in zip(table.cases, problem.at(values), expected, strict=True):
-        mechanism, pose = described(case, own, inertia)
+        mechanism, pose = described(case, own, INERTIAS[inertia])
         np.testing.assert_allclose(MODEL.modes(mechanism, pose).frequencies, f, rtol=1e-8)
         assert mechanism.platform.form == INERTIAS[inertia]
 
