@@ -60,7 +60,7 @@ def test_what_chains_have_no_frames_or_statements_for(
         (
             "identify",
             ("--table", str(table), "--parameters", "z_mm", "--frames", "mirrored"),
-            "frames = 'mirrored': expected no such slip but of three equal R-P-S limbs",
+            "frames = 'mirrored': expected three equal R-P-S limbs",
         ),
         ("claims", (), "expected the folder of a paper with claims.toml"),
     ):

@@ -93,7 +93,8 @@ class Fit(Reading):
 
     Attributes: how many starts `reached` the minimum; `alone` and `together` (P, 2), profile
     intervals of each parameter by itself and of all at once, in the units of the names; `open`
-    (P, 2), where a bound came first in the latter; `noise`, the relative standard deviation of one
+    (P, 2), where a bound came first in the latter; `heights` (2,), by which S rises to the ends of
+    either; `noise`, the relative standard deviation of one
     value, `assumed` or, where that is None, the residuals' own; `freedom`, values more than
     parameters.
     """
@@ -102,6 +103,7 @@ class Fit(Reading):
     alone: Floats
     together: Floats
     open: NDArray[np.bool_]
+    heights: Floats
     noise: float
     assumed: float | None
     freedom: int
@@ -110,15 +112,6 @@ class Fit(Reading):
         """95 % intervals of the k-th parameter alone, and of all together, by column."""
         found = zip(ENDS, (*self.alone[k], *self.together[k]), strict=True)
         return {**dict(found), "at_bound": bool(self.open[k].any())}
-
-    @property
-    def heights(self) -> list[float]:
-        """How far S rises to the ends of `alone` and of `together`."""
-        sums = np.array([self.sum])
-        return [
-            float(rise(LEVEL, k, sums=sums, freedom=self.freedom, noise=self.assumed)[0])
-            for k in (1, len(self.x))
-        ]
 
     @cached_property
     def _slopes(self) -> tuple[Problem, Floats, Floats]:
@@ -154,16 +147,16 @@ def fit(
     residuals, limits = problem.residuals(observed), problem.limits
     free = np.ones((T, P), dtype=bool)
     x, sums, reached = search(residuals, problem.start, free, *limits, starts=starts, seed=seed)
+    heights = [rise(LEVEL, k, sums=sums, freedom=freedom, noise=noise) for k in (1, P)]
     ends = []
-    for together in (1, P):
-        height = rise(LEVEL, together, sums=sums, freedom=freedom, noise=noise)
+    for height in heights:
         at, opened = profile_ends(residuals, x, sums, *limits, height)
         ends.append(problem.from_x(at.swapaxes(1, 2)).swapaxes(1, 2))
     error = problem.frequencies(x) / problem.table.frequencies - 1
     spread = np.sqrt(sums / freedom) if noise is None else np.full(T, noise)
     return [
         Fit(problem, x[t], float(sums[t]), error[t], int(reached[t]), ends[0][t], ends[1][t],
-            opened[t], float(spread[t]), noise, freedom)
+            opened[t], np.array(heights)[:, t], float(spread[t]), noise, freedom)
         for t in range(T)
     ]  # fmt: skip
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.interpolate import BarycentricInterpolator
 
 from harness.figures import COLOURS, MARKERS
 from harness.studies.identification.estimate import Fit
@@ -23,11 +24,10 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     """Return the profiles of every parameter, and below them what the fits leave."""
     names, table = fits[0].problem.names, fits[0].problem.table
     cases = len(table.cases)
-    columns = max(len(names), cases)
-    figure = Figure(figsize=(3.1 * columns, 6.2), layout="constrained")
-    grid = figure.add_gridspec(2, columns * cases)
-    width = columns * cases // len(names)
-    above = [figure.add_subplot(grid[0, k * width : (k + 1) * width]) for k in range(len(names))]
+    figure = Figure(figsize=(3.1 * max(len(names), cases), 6.2), layout="constrained")
+    rows = [[n for n in names for _ in range(cases)], [str(c) for c in range(cases) for _ in names]]
+    axes_of: dict[str, Any] = figure.subplot_mosaic(np.array(rows).tolist())
+    above = [axes_of[name] for name in names]
     for k, one in enumerate(fits):
         _draw_profiles(above, one, COLOURS[k], LOWEST + k * STEP)
     for axes, name in zip(above, names, strict=True):
@@ -40,7 +40,7 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
     above[0].set_ylabel("rise of S over noise$^2$")
     modes = np.arange(1, table.frequencies.shape[1] + 1)
     for c, case in enumerate(table.cases):
-        axes = figure.add_subplot(grid[1, c * columns : (c + 1) * columns])
+        axes = axes_of[str(c)]
         for k, one in enumerate(fits):
             axes.plot(
                 modes + 0.12 * (k - 0.5), 100 * one.error[c], ls="none", marker=MARKERS[k],
@@ -64,16 +64,16 @@ def profile_figure(fits: Sequence[Fit]) -> Figure:
 
 def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str, low_down: float) -> None:
     """Draw the profiles, and below them the intervals as bars, `low_down` of the panel's height."""
-    # S is all but a parabola, so its root is drawn straight between the ends that were computed.
+    # S is all but a parabola: where its root is so far is a smooth curve through what was computed.
     columns = (one.together[:, 0], one.alone[:, 0], one.values, one.alone[:, 1], one.together[:, 1])
     ends = np.stack(columns)
-    roots = np.sqrt([one.heights[k] for k in (1, 0, 0, 0, 1)]) / one.noise * [-1, -1, 0, 1, 1]
+    roots = np.sqrt(one.heights[[1, 0, 0, 0, 1]]) / one.noise * [-1, -1, 0, 1, 1]
     x, (low, high) = one.problem.to_x(ends), one.problem.limits
     for k, axes in enumerate(above):
         inside = (x[:, k] > low[k]) & (x[:, k] < high[k])
         root = np.linspace(min(roots[inside], default=0), max(roots[inside], default=0), POINTS)
         if inside.any():
-            values = np.interp(root, roots[inside], ends[inside, k])
+            values = BarycentricInterpolator(roots[inside], ends[inside, k])(root)
             axes.plot(values, root**2, color=colour, lw=1.4)
         axes.plot(one.values[k], 0, "o", color=colour, ms=4, clip_on=False)
         place = axes.get_xaxis_transform()

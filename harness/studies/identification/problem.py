@@ -57,7 +57,7 @@ class Problem:
             raise InputError("table", [c.name for c in cases], "x and y in all poses, or in none")
         for name, given in (("frames", self.frames), ("inertia", self.inertia)):
             if given not in ("stated", "disc") and not self.regular:
-                expected = "no such slip but of three equal R-P-S limbs and a disc"
+                expected = "three equal R-P-S limbs and a disc for such a slip"
                 raise InputError(name, given, expected)
         assert len(self.limits) == 2, "names and bounds are refused here"
 

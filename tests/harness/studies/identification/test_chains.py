@@ -203,8 +203,12 @@ def test_where_no_such_mechanism_can_be_it_is_far_off() -> None:
     ("names", "how", "says"),
     [
         (("mass",), {}, r"parameters = 'mass': expected one of z_mm, .*P3_stiffness_Nm_rad"),
-        (("z_mm",), {"mirrored": True}, "frames = 'mirrored': expected no such slip but of"),
-        (("z_mm",), {"inertia": "printed"}, "inertia = 'printed': expected no such slip"),
+        (("z_mm",), {"mirrored": True}, "frames = 'mirrored': expected three equal R-P-S limbs"),
+        (
+            ("z_mm",),
+            {"inertia": "printed"},
+            "inertia = 'printed': expected three equal R-P-S limbs",
+        ),
         (("body_mass_kg",), {"bounds": {"body_mass_kg": (-1, 2)}}, "expected bounds above 0"),
     ],
 )

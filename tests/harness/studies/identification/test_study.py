@@ -15,6 +15,7 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.studies import identification
+from harness.studies.identification.fit import minimise
 from harness.studies.identification.parameters import INERTIAS, described, parameters
 from harness.studies.identification.problem import Problem
 from harness.studies.identification.table import FrequencyTable, published_table, read_table
@@ -124,7 +125,21 @@ def test_the_study_starts_from_a_mechanism_of_ones_own(tmp_path):
     assert set(first.to_frame()["frames"]) == {"stated"}
     assert {row["case"] for row in first.rows()} == {"identified"}
     assert set(first.tables()) == {"", "-parameters", "-residuals", "-directions", "-quantities"}
-    assert first.plot() is not None
+    drawn_profiles_are_those_of(found, first.plot())
+
+
+def drawn_profiles_are_those_of(found, figure):
+    """S minimised anew at points of the curves is as far above its minimum as they are."""
+    problem = found.problem
+    residuals = problem.residuals(problem.table.logarithms[None])
+    for k, axes in enumerate(figure.axes[: len(problem.names)]):
+        values, heights = (row[[4, 16, 32, 44]] for row in axes.lines[0].get_data())
+        at = np.tile(found.values, (4, 1))
+        at[:, k] = values
+        free = np.tile(np.arange(len(problem.names)) != k, (4, 1))
+        x, owner = problem.to_x(at), np.zeros(4, dtype=np.intp)
+        _, sums = minimise(residuals, x, free, *problem.limits, owner)
+        np.testing.assert_allclose((sums - found.sum) / found.noise**2, heights, rtol=0.05)
 
 
 def test_a_run_about_ones_own_cases_says_nothing_of_the_papers_table(tmp_path):
