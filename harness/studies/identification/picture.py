@@ -71,9 +71,10 @@ def _draw_profiles(above: Sequence["Axes"], one: Fit, colour: str, low_down: flo
     x, (low, high) = one.problem.to_x(ends), one.problem.limits
     for k, axes in enumerate(above):
         inside = (x[:, k] > low[k]) & (x[:, k] < high[k])
-        root = np.linspace(min(roots[inside], default=0), max(roots[inside], default=0), POINTS)
-        if inside.any():
-            values = BarycentricInterpolator(roots[inside], ends[inside, k])(root)
+        known, first = np.unique(roots[inside], return_index=True)  # of one alone, both are one
+        if known.size:
+            root = np.linspace(known[0], known[-1], POINTS)
+            values = BarycentricInterpolator(known, ends[inside, k][first])(root)
             axes.plot(values, root**2, color=colour, lw=1.4)
         axes.plot(one.values[k], 0, "o", color=colour, ms=4, clip_on=False)
         place = axes.get_xaxis_transform()

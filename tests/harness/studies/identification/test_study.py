@@ -15,9 +15,11 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.studies import identification
+from harness.studies.identification.estimate import identify
 from harness.studies.identification.fit import minimise
 from harness.studies.identification.parameters import INERTIAS, described, parameters
 from harness.studies.identification.problem import Problem
+from harness.studies.identification.result import Identification
 from harness.studies.identification.table import FrequencyTable, published_table, read_table
 from harness.text import plan, request
 from reference_models import Named
@@ -140,6 +142,13 @@ def drawn_profiles_are_those_of(found, figure):
         x, owner = problem.to_x(at), np.zeros(4, dtype=np.intp)
         _, sums = minimise(residuals, x, free, *problem.limits, owner)
         np.testing.assert_allclose((sums - found.sum) / found.noise**2, heights, rtol=0.05)
+
+
+def test_a_parameter_alone_is_drawn():
+    """Both of its intervals are one."""
+    found = identify(Problem(TABLE, MODEL, ("z_mm",)), starts=1)
+    np.testing.assert_array_equal(found.alone, found.together)
+    drawn_profiles_are_those_of(found, Identification((found,), (), ()).plot())
 
 
 def test_a_run_about_ones_own_cases_says_nothing_of_the_papers_table(tmp_path):
