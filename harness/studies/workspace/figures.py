@@ -62,7 +62,7 @@ def contour_figure(data: WorkspaceMap, shown: Sequence[int]) -> Figure:
     Seen from above: tilt outwards, azimuth round; the dots stand at the limbs' azimuths.
     """
     title = (
-        f"{label(data.model)}: frequencies over azimuth $\\varphi$ and tilt $\\theta$; "
+        f"{label(data.model)}: frequencies over azimuth $\\varphi$ and tilt $\\theta$\n"
         "every panel has its own scale; dots: azimuths of the limbs"
     )
     size = len(shown), len(data.grid.z)
