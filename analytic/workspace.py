@@ -110,7 +110,8 @@ def _of_chains(mechanism: Mechanism, poses: Pose, limits: Limits) -> Floats:
     groups, good = placed_where(mechanism, poses)
     result = np.full((len(poses), len(mechanism.limbs), len(OF_CHAINS)), np.inf)
     for group in groups:
-        rods = group.alike.rods
+        links = [k for k, kind in enumerate(group.alike.kind) if kind[0] == "link"]
+        rods = group.alike.rods or links
         for j, i in enumerate(group.alike.limbs.tolist()):
             limb, along = mechanism.limbs[i], group.frames[:, j, :, 2]
             size, least, most = group.lengths[:, j].sum(axis=-1), limits.length_min, np.inf

@@ -13,6 +13,7 @@ from analytic import (
     Joint,
     Limb,
     Limits,
+    Link,
     Mechanism,
     Pose,
     RegularWorkspace,
@@ -279,6 +280,17 @@ def test_its_own_limits_stand_instead_of_eq_25() -> None:
     # The joint alone: the limb of case 1 leans by atan(0.1 / z) from both verticals.
     narrow = limited(PAPER, (0.0, 9.0), 0.2)
     assert heights(narrow, LIMITS)[0] == pytest.approx(0.1 / math.tan(0.2), abs=2e-12)
+
+
+def test_limbs_without_a_rod_have_the_same_limits() -> None:
+    """A rigid link in the place of each rod: the joints lean as they did."""
+    rigid = tuple(
+        replace(limb, chain=tuple(Link() if isinstance(item, Rod) else item for item in limb.chain))
+        for limb in PAPER.limbs
+    )
+    poses = Pose(np.array([0.4, 0.49, 0.7]), 0.3, np.radians([0, 10, 25]))
+    found = margins(Mechanism(rigid, PAPER.platform), poses, LIMITS)
+    np.testing.assert_allclose(found, margins(PAPER, poses, LIMITS), atol=1e-12)
 
 
 def test_a_slider_s_stroke_and_downward_limbs() -> None:
