@@ -20,39 +20,28 @@ import re
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from analytic import InputError, Limb, Material, Mechanism, Platform, Rod
 from analytic.errors import count, vector
-from analytic.mechanism import (
-    DENSITY,
-    LARGEST,
-    MOST_LIMBS,
-    SMALLEST,
-    STIFFNESS,
-    has_poisson,
-    shear_range,
-)
+from analytic.mechanism import LARGEST, MOST_LIMBS, SMALLEST
 from harness.case import Case
 from harness.chain_file import (
+    MATERIAL,
     POSE,
     chain_mechanism,
-    get,
+    material,
     materials,
-    one_of,
-    only,
     read_pose,
     rods,
 )
 from harness.paper import CASES, CHECKED, case_file, folder, names, read_paper
+from harness.toml_table import Given
 from reference_models import parse
 
 Table = dict[str, Any]
-_size = partial(get, positive=True)
 OF_PAPER = ("published", "errata", "title")
 """The keys that a case of a paper may have beside those of every case."""
 DIGITS = 4300
@@ -108,7 +97,7 @@ def _read(path: Path, *more: str) -> dict[str, Case]:
     except RecursionError:
         where = _line(text, lambda line: line.count("[") + line.count("{"))
         raise InputError("case_file", str(path), f"fewer brackets in {where}") from None
-    only(data, "the file", "materials", "rods", "mechanisms", "cases")
+    Given("the file", data, ("materials", "rods", "mechanisms", "cases"))
     known = rods(_tables(data, "rods"), materials(_tables(data, "materials")))
     mechanisms = {
         "paper": Mechanism.paper(),
@@ -144,106 +133,65 @@ def _tables(data: Table, key: str) -> dict[str, Table]:
 def _case(
     name: str, table: Table, mechanisms: dict[str, Mechanism], source: str, more: tuple[str, ...]
 ) -> Case:
-    where = f"cases.{name}"
-    only(table, where, "mechanism", *POSE, "model", "note", *more)
+    given = Given(f"cases.{name}", table, ("mechanism", *POSE, "model", "note", *more))
     if "," in name:
-        raise InputError(where, name, "a name without commas")
-    mechanism = table.get("mechanism", "paper")
-    there = one_of(mechanism, f"{where}.mechanism", mechanisms)
-    z = table.get("z_mm", 0.0)
+        raise InputError(given.where, name, "a name without commas")
+    mechanism = given.one_of("mechanism", mechanisms, "paper")
+    z = given.get("z_mm", 0.0)
     if isinstance(z, (int, float)) and abs(z) > LARGEST * 1000:
-        raise InputError(f"{where}.z_mm", z, f"at most {LARGEST * 1000:g} millimetres")
-    pose = read_pose(table, where)
-    note = str(table.get("note", f"{mechanism} of {source}"))
-    theory = parse(str(table.get("model", "euler-bernoulli")), f"{where}.model")
-    published, title = (str(table.get(key, "")) for key in ("published", "title"))
-    errata = tuple(map(str, table.get("errata", ())))
-    return Case(name, there, pose, note, theory, published, errata, title)
+        raise given.refused("z_mm", f"at most {LARGEST * 1000:g} millimetres")
+    pose = read_pose(given)
+    note = str(given.get("note", f"{given.get('mechanism', 'paper')} of {source}"))
+    theory = parse(str(given.get("model", "euler-bernoulli")), given.at("model"))
+    published, title = (str(given.get(key, "")) for key in ("published", "title"))
+    errata = tuple(map(str, given.get("errata", ())))
+    return Case(name, mechanism, pose, note, theory, published, errata, title)
 
 
 def _mechanism(table: Table, where: str) -> Mechanism:
-    shape = (
-        ("limb",)
-        if "limb" in table
-        else ("base_radius_mm", "platform_radius_mm", "limbs", "heading_deg")
-    )
-    body = (
-        ("platform_mass_kg", "platform_inertia_kg_m2")
-        if "platform_mass_kg" in table
-        else ("platform_thickness_mm", "platform_radius_mm", "inertia")
-    )
-    only(table, where, "young_GPa", "shear_GPa", "density_kg_m3", "rod_diameter_mm", *shape, *body)
-    material = _material(table, where)
-    platform = _platform(table, where, material)
-    if "limb" in table:
-        limbs = table["limb"]
+    regular = "base_radius_mm", "platform_radius_mm", "limbs", "heading_deg"
+    shape = ("limb",) if "limb" in table else regular
+    heavy = "platform_mass_kg", "platform_inertia_kg_m2"
+    disc = "platform_thickness_mm", "platform_radius_mm", "inertia"
+    body = heavy if "platform_mass_kg" in table else disc
+    given = Given(where, table, (*MATERIAL, "rod_diameter_mm", *shape, *body))
+    steel = material(given)
+    platform = _platform(given, steel)
+    if "limb" in given:
+        limbs = given.get("limb")
         if not isinstance(limbs, list) or not limbs:
-            raise InputError(f"{where}.limb", limbs, f"tables called [[{where}.limb]]")
-        return Mechanism(
-            tuple(_limb(limb, f"{where}.limb", table, material) for limb in limbs), platform
-        )
-    return Mechanism.regular(
-        _size(table, where, "base_radius_mm") / 1000,
-        _size(table, where, "platform_radius_mm") / 1000,
-        _rod(table, where, material),
-        platform,
-        limbs=count(f"{where}.limbs", table.get("limbs", 3), at_most=MOST_LIMBS),
-        heading=float(np.radians(get(table, where, "heading_deg", 0.0))),
-    )
+            raise given.refused("limb", f"tables called [[{where}.limb]]")
+        return Mechanism(tuple(_limb(limb, given, steel) for limb in limbs), platform)
+    base, points = (given.number(key, positive=True) for key in regular[:2])
+    number = count(given.at("limbs"), given.get("limbs", 3), at_most=MOST_LIMBS)
+    heading = given.number("heading_deg", 0.0)
+    rod = _rod(given, steel)
+    return Mechanism.regular(base, points, rod, platform, limbs=number, heading=heading)
 
 
-def _material(table: Table, where: str) -> Material:
-    """Return the material, refused in the file's own keys and units."""
-    keys = ("young_GPa", "shear_GPa", "density_kg_m3")
-    young, shear, density = (_size(table, where, key) for key in keys)
-    for key, value, (low, high) in (
-        ("young_GPa", young, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
-        ("shear_GPa", shear, (STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9)),
-        ("density_kg_m3", density, DENSITY),
-    ):
-        if not low <= value <= high:
-            raise InputError(f"{where}.{key}", value, f"{low:g} to {high:g}")
-    if not has_poisson(young, shear):
-        raise InputError(f"{where}.shear_GPa", shear, shear_range(young, "young_GPa"))
-    return Material(young * 1e9, shear * 1e9, density)
+def _rod(given: Given, steel: Material) -> Rod:
+    within = 1000 * SMALLEST, 1000 * LARGEST
+    return Rod.round(steel, given.number("rod_diameter_mm", positive=True, within=within))
 
 
-def _rod(table: Table, where: str, material: Material) -> Rod:
-    diameter = _size(table, where, "rod_diameter_mm")
-    if not SMALLEST <= diameter / 1000 <= LARGEST:
-        low, high = 1000 * SMALLEST, 1000 * LARGEST
-        raise InputError(f"{where}.rod_diameter_mm", diameter, f"{low:g} to {high:g} millimetres")
-    return Rod.round(material, diameter / 1000)
-
-
-def _platform(table: Table, where: str, material: Material) -> Platform:
-    if "platform_mass_kg" in table:
-        key = f"{where}.platform_inertia_kg_m2"
-        mass, inertia = _size(table, where, "platform_mass_kg"), table.get("platform_inertia_kg_m2")
+def _platform(given: Given, steel: Material) -> Platform:
+    if "platform_mass_kg" in given:
+        key, mass = "platform_inertia_kg_m2", given.number("platform_mass_kg", positive=True)
         try:
-            return Platform(mass, inertia)  # type: ignore[arg-type]
+            return Platform(mass, given.get(key))
         except InputError as error:
-            raise InputError(key, inertia, error.expected) from None
+            raise given.refused(key, error.expected) from None
     forms = {"disc": Platform.disc, "printed": Platform.as_printed}
-    form: Callable[..., Platform] = one_of(table.get("inertia", "disc"), f"{where}.inertia", forms)
-    return form(
-        _size(table, where, "platform_radius_mm") / 1000,
-        _size(table, where, "platform_thickness_mm") / 1000,
-        material.density,
-    )
+    form: Callable[..., Platform] = given.one_of("inertia", forms, "disc")
+    sizes = "platform_radius_mm", "platform_thickness_mm"
+    return form(*(given.number(key, positive=True) for key in sizes), steel.density)
 
 
-def _limb(limb: Any, where: str, table: Table, material: Material) -> Limb:
-    if not isinstance(limb, dict):
-        raise InputError(where, limb, f"tables called [[{where}]]")
-    only(limb, where, "base_mm", "axis", "platform_point_mm", "rod_diameter_mm")
-    rod = _rod({**table, **limb}, where, material)
-
-    def metres(key: str) -> tuple[float, float, float]:
-        x, y, z = vector(f"{where}.{key}", limb.get(key), "three coordinates in millimetres")
-        return x / 1000, y / 1000, z / 1000
-
-    axis = vector(f"{where}.axis", limb.get("axis"), "a direction other than zero")
+def _limb(limb: Any, of: Given, steel: Material) -> Limb:
+    keys = "base_mm", "axis", "platform_point_mm", "rod_diameter_mm"
+    given = Given(of.at("limb"), limb, keys)
+    rod = _rod(given if "rod_diameter_mm" in given else of, steel)
+    axis = vector(given.at("axis"), given.get("axis"), "a direction other than zero")
     if not any(axis):
-        raise InputError(f"{where}.axis", limb["axis"], "a direction other than zero")
-    return Limb.rps(metres("base_mm"), axis, metres("platform_point_mm"), rod)
+        raise given.refused("axis", "a direction other than zero")
+    return Limb.rps(given.metres("base_mm"), axis, given.metres("platform_point_mm"), rod)

@@ -20,7 +20,6 @@ import numpy as np
 from analytic import (
     Body,
     Freedom,
-    InputError,
     Joint,
     Limb,
     Link,
@@ -31,288 +30,207 @@ from analytic import (
     Rod,
     Section,
 )
-from analytic.errors import count, number, unknown, vector
+from analytic.errors import InputError, count, number, vector
+from analytic.mechanism import DENSITY, STIFFNESS, has_poisson, shear_range
 from harness.poses import LENGTHS, NAMES, stated, turn
+from harness.toml_table import Given, Three
 
-Table = dict[str, Any]
-Three = tuple[float, float, float]
-
-SECTION = "area_mm2", "second_moments_mm4", "torsion_constant_mm4", "shear_coefficients"
-UNITS = {
-    "mm": "millimetres", "deg": "degrees", "GPa": "gigapascals", "kg_m3": "kg/m^3",
-    "kg": "kilograms",
+Tables = Mapping[str, Any]
+MATERIAL = "young_GPa", "shear_GPa", "density_kg_m3"
+ITEMS = {
+    "rod": ("length_mm",),
+    "link": ("length_mm",),
+    "body_kg": ("centre_mm", "inertia_kg_m2", "frame"),
+    "joint": ("axis", "frame", "slider", "stiffness_N_m", "stiffness_Nm_rad",
+              "tilt_stiffness_Nm_rad", "largest_deg", "rest"),
 }  # fmt: skip
-"""What the ends of keys mean."""
+"""What a chain is made of, by the key that says so, and its other keys."""
 JOINTS = "R", "U", "S", "P", "fixed"
-DEGREES = math.pi / 180
-
-
-def only(table: Any, where: str, *keys: str) -> Table:
-    """Return `table` if it is one with no other keys, or raise `InputError`."""
-    if not isinstance(table, dict):
-        raise InputError(where, table, f"a table with the keys {', '.join(keys)}")
-    for key in table:
-        if key not in keys:
-            raise InputError(where, key, f"only the keys {', '.join(dict.fromkeys(keys))}")
-    return table
-
-
-def get(
-    table: Table, where: str, key: str, default: float | None = None, *, positive: bool = False
-) -> float:
-    """Return a number of a table, or `default`; raises `InputError` naming the key."""
-    if key not in table and default is not None:
-        return default
-    unit = next((f" of {words}" for end, words in UNITS.items() if key.endswith(f"_{end}")), "")
-    expected = f"a {'positive' if positive else 'finite'} number{unit}"
-    return number(f"{where}.{key}", table.get(key), expected, positive=positive)
-
-
-def one_of(name: Any, where: str, known: Mapping[str, Any]) -> Any:
-    """Return what is known by a name; raises `InputError` naming what there is."""
-    if not isinstance(name, str):
-        raise InputError(where, name, f"one of {', '.join(known)}")
-    if name not in known:
-        raise unknown(where, name, known)
-    return known[name]
-
-
-def materials(tables: Mapping[str, Table]) -> dict[str, Material]:
-    """Return the materials of [materials.NAME]."""
-    found = {}
-    for name, table in tables.items():
-        where = f"materials.{name}"
-        only(table, where, "young_GPa", "shear_GPa", "density_kg_m3")
-        found[name] = Material(
-            get(table, where, "young_GPa") * 1e9,
-            get(table, where, "shear_GPa") * 1e9,
-            get(table, where, "density_kg_m3"),
-        )
-    return found
-
-
-def rods(tables: Mapping[str, Table], known: Mapping[str, Material]) -> dict[str, Rod]:
-    """Return the rods of [rods], each of a known material; round ones or by section constants."""
-    found = {}
-    for name, table in tables.items():
-        where = f"rods.{name}"
-        only(table, where, "material", "diameter_mm", "bore_mm", *SECTION)
-        material = one_of(table.get("material"), f"{where}.material", known)
-        if "diameter_mm" in table:
-            bore = get(table, where, "bore_mm", 0.0) / 1000
-            section = Section.round(get(table, where, "diameter_mm") / 1000, bore)
-        else:
-            second = table.get("second_moments_mm4", ())
-            if not isinstance(second, list) or len(second) != 2:
-                raise InputError(f"{where}.second_moments_mm4", second, "two numbers, Ix and Iy")
-            kappas = table.get("shear_coefficients")
-            section = Section(
-                get(table, where, "area_mm2") * 1e-6,
-                (float(second[0]) * 1e-12, float(second[1]) * 1e-12),
-                get(table, where, "torsion_constant_mm4") * 1e-12,
-                tuple(kappas) if isinstance(kappas, list) else kappas,
-            )
-        found[name] = Rod(material, section)
-    return found
-
-
-def chain_mechanism(table: Table, where: str, known: Mapping[str, Rod]) -> Mechanism:
-    """Return a mechanism of [mechanisms.NAME] with [[mechanisms.NAME.limbs]]."""
-    only(table, where, "platform", "payloads", "limbs")
-    limbs: list[Limb] = []
-    for k, limb in enumerate(table["limbs"]):
-        limbs += _limbs(limb, f"{where}.limbs[{k}]", known)
-    platform = _platform(table.get("platform"), f"{where}.platform")
-    for k, load in enumerate(table.get("payloads", [])):
-        at = f"{where}.payloads[{k}]"
-        only(load, at, "mass_kg", "centre_mm", "inertia_kg_m2")
-        own = load.get("inertia_kg_m2")
-        platform = platform.carrying(
-            get(load, at, "mass_kg"),
-            _metres(load.get("centre_mm", [0, 0, 0]), f"{at}.centre_mm"),
-            None if own is None else _tensor(own, f"{at}.inertia_kg_m2"),
-        )
-    return Mechanism(tuple(limbs), platform)
-
-
-def _platform(table: Any, where: str) -> Platform:
-    only(
-        table, where, "radius_mm", "thickness_mm", "density_kg_m3", "mass_kg", "centre_mm",
-        "inertia_kg_m2",
-    )  # fmt: skip
-    if "mass_kg" in table:
-        return Platform(
-            get(table, where, "mass_kg"),
-            _tensor(table.get("inertia_kg_m2"), f"{where}.inertia_kg_m2"),
-            centre=_metres(table.get("centre_mm", [0, 0, 0]), f"{where}.centre_mm"),
-        )
-    return Platform.disc(
-        get(table, where, "radius_mm") / 1000,
-        get(table, where, "thickness_mm") / 1000,
-        get(table, where, "density_kg_m3"),
-    )
-
-
-def _limbs(table: Any, where: str, known: Mapping[str, Rod]) -> list[Limb]:
-    only(table, where, "copies", "base_mm", "platform_point_mm", "chain", "reference", "stroke_mm")
-    base = _metres(table.get("base_mm"), f"{where}.base_mm")
-    items = table.get("chain")
-    if not isinstance(items, list):
-        raise InputError(f"{where}.chain", items, "a list of joints, rods, links and bodies")
-    chain = tuple(_item(item, f"{where}.chain[{k}]", base, known) for k, item in enumerate(items))
-    reference = table.get("reference")
-    if reference is not None:
-        reference = _direction(reference, f"{where}.reference", base)
-    point = _metres(table.get("platform_point_mm"), f"{where}.platform_point_mm")
-    stroke = table.get("stroke_mm")
-    if stroke is not None:
-        expected = "the least and the largest of two lengths in millimetres"
-        if not isinstance(stroke, list) or len(stroke) != 2:
-            raise InputError(f"{where}.stroke_mm", stroke, expected)
-        low, high = (number(f"{where}.stroke_mm", v, expected) / 1000 for v in stroke)
-        if not low < high:
-            raise InputError(f"{where}.stroke_mm", stroke, expected)
-        stroke = low, high
-    limb = Limb(base, point, chain, reference, stroke)
-    copies = count(f"{where}.copies", table.get("copies", 1), at_most=1000)
-    return [limb.turned(2 * math.pi * k / copies) if k else limb for k in range(copies)]
-
-
-def _item(table: Any, where: str, base: Three, known: Mapping[str, Rod]) -> Any:
-    if isinstance(table, dict) and "rod" in table:
-        only(table, where, "rod", "length_mm")
-        rod = one_of(table["rod"], f"{where}.rod", known)
-        length = get(table, where, "length_mm") / 1000 if "length_mm" in table else None
-        return Rod(rod.material, rod.section, length)
-    if isinstance(table, dict) and "link" in table:
-        only(table, where, "link", "length_mm")
-        return Link(get(table, where, "length_mm") / 1000 if "length_mm" in table else None)
-    if isinstance(table, dict) and "body_kg" in table:
-        only(table, where, "body_kg", "centre_mm", "inertia_kg_m2", "frame")
-        return Body(
-            get(table, where, "body_kg"),
-            _tensor(table.get("inertia_kg_m2"), f"{where}.inertia_kg_m2"),
-            _metres(table.get("centre_mm", [0, 0, 0]), f"{where}.centre_mm"),
-            table.get("frame", "base"),
-        )
-    return _joint(table, where, base)
-
-
-def _joint(table: Any, where: str, base: Three) -> Joint:
-    """Return a joint with its limits of the workspace."""
-    only(
-        table, where, "joint", "axis", "frame", "slider", "stiffness_N_m", "stiffness_Nm_rad",
-        "tilt_stiffness_Nm_rad", "largest_deg", "rest",
-    )  # fmt: skip
-    found = _free_joint(table, where, base)
-    if "rest" in table:
-        found = replace(found, rest=_direction(table["rest"], f"{where}.rest", base))
-    if "largest_deg" not in table:
-        return found
-    largest = get(table, where, "largest_deg")
-    if not 0 < largest <= 180:
-        raise InputError(f"{where}.largest_deg", largest, "degrees above 0 and at most 180")
-    return replace(found, largest=largest * DEGREES)
-
-
-def _free_joint(table: Table, where: str, base: Three) -> Joint:
-    name, frame = table.get("joint"), table.get("frame", "base")
-    if name not in JOINTS:
-        raise InputError(f"{where}.joint", name, f"one of {', '.join(JOINTS)}")
-    axis = table.get("axis")
-    direction = None if axis is None else _direction(axis, f"{where}.axis", base)
-    turning = get(table, where, "stiffness_Nm_rad", 0.0)
-    tilts = table.get("tilt_stiffness_Nm_rad", {})
-    rest = tuple(
-        Freedom("rotation", _numbers(key, where), frame, number(where, k, "a stiffness"))
-        for key, k in tilts.items()
-    )
-    if name == "P":
-        drive = get(table, where, "stiffness_N_m", 0.0)
-        return Joint.prismatic(direction, drive, slider=table.get("slider", ""), rest=rest)
-    if name == "S":
-        return Joint.spherical(turning)
-    if name == "fixed":
-        return Joint(rest, name="fixed")
-    if direction is None:
-        raise InputError(f"{where}.axis", axis, "an axis of the joint")
-    of = Joint.revolute if name == "R" else Joint.universal
-    joint = of(direction, frame, turning)
-    return Joint((*joint.freedoms, *rest), name=joint.name)
-
-
-def _numbers(text: str, where: str) -> Three:
-    try:
-        return vector(where, [float(part) for part in text.split(",")], "x,y,z of an axis")
-    except ValueError:
-        raise InputError(where, text, "x,y,z of an axis") from None
-
-
-def _direction(given: Any, where: str, base: Three) -> Three:
-    x, y, _ = base
-    if given in ("tangential", "radial"):
-        radius = math.hypot(x, y)
-        if not radius:
-            raise InputError(where, given, "a base off the z axis, or three numbers")
-        out = (x / radius, y / radius, 0.0)
-        return out if given == "radial" else (-out[1], out[0], 0.0)
-    return vector(where, given, "'tangential', 'radial' or three numbers")
-
-
-def _metres(given: Any, where: str) -> Three:
-    if isinstance(given, dict):
-        only(given, where, "radius", "angle_deg", "z")
-        r, angle = get(given, where, "radius"), get(given, where, "angle_deg") * DEGREES
-        given = [r * math.cos(angle), r * math.sin(angle), get(given, where, "z", 0.0)]
-    x, y, z = vector(where, given, "three coordinates in millimetres, or a radius and angle_deg")
-    return x / 1000, y / 1000, z / 1000
-
-
-def _tensor(given: Any, where: str) -> Any:
-    """Return an inertia tensor given as three moments or as three rows."""
-    if isinstance(given, list) and not any(isinstance(row, list) for row in given):
-        x, y, z = vector(where, given, "three moments of inertia, or three rows of three")
-        return ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
-    return given
-
-
+ORIGIN = [0, 0, 0]
 SHORT = {f"{name}_{'mm' if name in LENGTHS else 'deg'}": name for name in NAMES}
 """Keys of a pose's numbers, and which each is."""
 POSE = (*SHORT, "position_mm", "rotation")
 """The keys that say a pose."""
 
 
-def read_pose(table: Table, where: str) -> Pose:
+def material(given: Given) -> Material:
+    """Return the material that a table states, refused in the file's own keys and units."""
+    gigapascals = STIFFNESS[0] / 1e9, STIFFNESS[1] / 1e9
+    young, shear, density = (
+        given.number(key, positive=True, within=within)
+        for key, within in zip(MATERIAL, (gigapascals, gigapascals, DENSITY), strict=True)
+    )
+    if not has_poisson(young, shear):
+        stiff, soft = (float(given.get(key)) for key in MATERIAL[:2])
+        raise InputError(given.at("shear_GPa"), soft, shear_range(stiff, "young_GPa"))
+    return Material(young, shear, density)
+
+
+def materials(tables: Tables) -> dict[str, Material]:
+    """Return the materials of [materials.NAME]."""
+    return {
+        name: material(Given(f"materials.{name}", table, MATERIAL))
+        for name, table in tables.items()
+    }
+
+
+def rods(tables: Tables, known: Mapping[str, Material]) -> dict[str, Rod]:
+    """Return the rods of [rods], each of a known material; round ones or by section constants."""
+    keys = ("material", "diameter_mm", "bore_mm", "area_mm2", "second_moments_mm4",
+            "torsion_constant_mm4", "shear_coefficients")  # fmt: skip
+    found = {}
+    for name, table in tables.items():
+        given = Given(f"rods.{name}", table, keys)
+        made_of = given.one_of("material", known)
+        if "diameter_mm" in given:
+            section = Section.round(given.number("diameter_mm"), given.number("bore_mm", 0.0))
+        else:
+            kappas = given.get("shear_coefficients")
+            section = Section(
+                given.number("area_mm2"),
+                given.pair("second_moments_mm4", "two numbers, Ix and Iy"),
+                given.number("torsion_constant_mm4"),
+                tuple(kappas) if isinstance(kappas, list) else kappas,
+            )
+        found[name] = Rod(made_of, section)
+    return found
+
+
+def chain_mechanism(table: Any, where: str, known: Mapping[str, Rod]) -> Mechanism:
+    """Return a mechanism of [mechanisms.NAME] with [[mechanisms.NAME.limbs]]."""
+    given = Given(where, table, ("platform", "payloads", "limbs"))
+    limbs: list[Limb] = []
+    for k, limb in enumerate(given.get("limbs")):
+        limbs += _limbs(limb, f"{where}.limbs[{k}]", known)
+    platform = _platform(given.get("platform"), given.at("platform"))
+    for k, one in enumerate(given.get("payloads", [])):
+        load = Given(f"{where}.payloads[{k}]", one, ("mass_kg", "centre_mm", "inertia_kg_m2"))
+        platform = platform.carrying(
+            load.number("mass_kg"), load.metres("centre_mm", ORIGIN), load.tensor("inertia_kg_m2")
+        )
+    return Mechanism(tuple(limbs), platform)
+
+
+def _platform(table: Any, where: str) -> Platform:
+    disc = "radius_mm", "thickness_mm", "density_kg_m3"
+    given = Given(where, table, (*disc, "mass_kg", "centre_mm", "inertia_kg_m2"))
+    if "mass_kg" in given:
+        mass, tensor = given.number("mass_kg"), given.tensor("inertia_kg_m2")
+        return Platform(mass, tensor, centre=given.metres("centre_mm", ORIGIN))
+    return Platform.disc(*map(given.number, disc))
+
+
+def _limbs(table: Any, where: str, known: Mapping[str, Rod]) -> list[Limb]:
+    keys = "copies", "base_mm", "platform_point_mm", "chain", "reference", "stroke_mm"
+    given = Given(where, table, keys)
+    base, items, stroke = given.metres("base_mm"), given.get("chain"), None
+    if not isinstance(items, list):
+        raise given.refused("chain", "a list of joints, rods, links and bodies")
+    chain = tuple(_item(item, f"{where}.chain[{k}]", base, known) for k, item in enumerate(items))
+    reference = _direction(given, "reference", base)
+    point = given.metres("platform_point_mm")
+    if "stroke_mm" in given:
+        expected = "the least and the largest of two lengths in millimetres"
+        stroke = given.pair("stroke_mm", expected)
+        if not stroke[0] < stroke[1]:
+            raise given.refused("stroke_mm", expected)
+    limb = Limb(base, point, chain, reference, stroke)
+    copies = count(given.at("copies"), given.get("copies", 1), at_most=1000)
+    return [limb.turned(2 * math.pi * k / copies) if k else limb for k in range(copies)]
+
+
+def _item(table: Any, where: str, base: Three, known: Mapping[str, Rod]) -> Any:
+    kinds = [key for key in ITEMS if isinstance(table, dict) and key in table] or ["joint"]
+    given = Given(where, table, (kinds[0], *ITEMS[kinds[0]]))
+    match kinds[0]:
+        case "rod":
+            rod: Rod = given.one_of("rod", known)
+            return replace(rod, length=given.number("length_mm", None))
+        case "link":
+            return Link(given.number("length_mm", None))
+        case "body_kg":
+            mass, tensor = given.number("body_kg"), given.tensor("inertia_kg_m2")
+            at = given.metres("centre_mm", ORIGIN)
+            return Body(mass, tensor, at, given.get("frame", "base"))
+    found = _joint(given, base)
+    rest = _direction(given, "rest", base)
+    found = found if rest is None else replace(found, rest=rest)
+    largest = given.number("largest_deg", None)
+    if largest is not None and not 0 < largest <= math.pi:
+        raise given.refused("largest_deg", "degrees above 0 and at most 180")
+    return found if largest is None else replace(found, largest=largest)
+
+
+def _joint(given: Given, base: Three) -> Joint:
+    name, frame = given.get("joint"), given.get("frame", "base")
+    if name not in JOINTS:
+        raise given.refused("joint", f"one of {', '.join(JOINTS)}")
+    direction = _direction(given, "axis", base)
+    turning = given.number("stiffness_Nm_rad", 0.0)
+    rest = tuple(
+        Freedom(
+            "rotation",
+            vector(given.where, axis.split(","), "x,y,z of an axis"),
+            frame,
+            number(given.where, k, "a stiffness"),
+        )
+        for axis, k in given.get("tilt_stiffness_Nm_rad", {}).items()
+    )
+    if name == "P":
+        drive, slider = given.number("stiffness_N_m", 0.0), given.get("slider", "")
+        return Joint.prismatic(direction, drive, slider=slider, rest=rest)
+    if name == "S":
+        return Joint.spherical(turning)
+    if name == "fixed":
+        return Joint(rest, name="fixed")
+    if direction is None:
+        raise given.refused("axis", "an axis of the joint")
+    of = Joint.revolute if name == "R" else Joint.universal
+    joint = of(direction, frame, turning)
+    return Joint((*joint.freedoms, *rest), name=joint.name)
+
+
+def _direction(given: Given, key: str, base: Three) -> Three | None:
+    """Return a direction, at a `base`, or None where there is none."""
+    said = given.get(key)
+    if said not in ("tangential", "radial"):
+        expected = "'tangential', 'radial' or three numbers"
+        return None if said is None else vector(given.at(key), said, expected)
+    x, y, _ = base
+    radius = math.hypot(x, y)
+    if not radius:
+        raise given.refused(key, "a base off the z axis, or three numbers")
+    out = (x / radius, y / radius, 0.0)
+    return out if said == "radial" else (-out[1], out[0], 0.0)
+
+
+def read_pose(given: Given) -> Pose:
     """Return the pose of a case: z, azimuth and tilt (torsion, x, y); x, y and torsion; x, y, z,
     yaw, pitch and roll; or position and rotation.
     """
-    if "position_mm" in table:
+    if "position_mm" in given:
         for key in SHORT:
-            if key in table:
-                raise InputError(where, key, "no other key of a pose beside position_mm")
-        at = _metres(table["position_mm"], f"{where}.position_mm")
-        return Pose.at(at, _rotation(table.get("rotation"), f"{where}.rotation"))
-    if "rotation" in table:
-        raise InputError(where, "rotation", "position_mm with it")
-    if "z_mm" not in table and not ("x_mm" in table and "y_mm" in table):
-        get(table, where, "z_mm")  # refuses that there is none
-    return stated({
-        name: get(table, where, key) * (1e-3 if name in LENGTHS else DEGREES)
-        for key, name in SHORT.items() if key in table
-    })  # fmt: skip
+            if key in given:
+                raise InputError(given.where, key, "no other key of a pose beside position_mm")
+        return Pose.at(given.metres("position_mm"), _rotation(given))
+    if "rotation" in given:
+        raise InputError(given.where, "rotation", "position_mm with it")
+    if not ("x_mm" in given and "y_mm" in given):
+        given.number("z_mm")  # refuses that there is none
+    return stated({name: given.number(key) for key, name in SHORT.items() if key in given})
 
 
-def _rotation(given: Any, where: str) -> Any:
+def _rotation(of: Given) -> Any:
     """Return a rotation matrix from an axis and an angle, or from yaw, pitch and roll [deg]."""
-    if given is None:
+    if of.get("rotation") is None:
         return None
-    only(given, where, "axis", "angle_deg", "yaw_deg", "pitch_deg", "roll_deg")
+    turns = "yaw_deg", "pitch_deg", "roll_deg"
+    given = Given(of.at("rotation"), of.get("rotation"), ("axis", "angle_deg", *turns))
     if "axis" in given:
-        n = np.array(vector(f"{where}.axis", given["axis"], "three numbers"))
-        return _about(n / np.linalg.norm(n), get(given, where, "angle_deg") * DEGREES)
+        n = np.array(vector(given.at("axis"), given.get("axis"), "three numbers"))
+        return _about(n / np.linalg.norm(n), given.number("angle_deg"))
     yaw, pitch, roll = (
-        turn(axis, get(given, where, key, 0.0) * DEGREES)
-        for axis, key in ((2, "yaw_deg"), (1, "pitch_deg"), (0, "roll_deg"))
+        turn(axis, given.number(key, 0.0)) for axis, key in zip((2, 1, 0), turns, strict=True)
     )
     return yaw @ pitch @ roll
 

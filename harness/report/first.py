@@ -9,6 +9,7 @@ from harness.report.material import Material
 from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
 from harness.studies.claims.data import MANY
+from harness.studies.convergence import Convergence
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
 
@@ -20,7 +21,7 @@ SHOWN = ("kind", "model", "case", "mode", "quantity", "before", "after", "tolera
 """What of a finding of the gate is shown, if it has it."""
 
 
-def section(run: Material, fig3: Json | None) -> Section:
+def section(run: Material) -> Section:
     """Return the section; the gate's answer, `gate`, is put in when the page is made."""
     cases = run.plan.cases
     table = next(iter(run.of(TableOne)), None)
@@ -28,6 +29,7 @@ def section(run: Material, fig3: Json | None) -> Section:
     ours = any(case.prints_errors for case in cases)
     names = ", ".join(case.name for case in cases)
     what = "A published model of the 3-RPS manipulator" if ours else f"{names}: natural frequencies"
+    fig3 = next((one for one in run.of(Convergence) if not one.same_theory), None)
     counts = Counter(one["kind"] for one in verdicts(run))
     context = {
         "paper": {name: papers[0][name] for name in CITED} if papers else None,

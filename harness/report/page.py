@@ -63,7 +63,7 @@ def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
     run = Material(plan, tuple(parts), command)
     made = [make(run) for make in MAKERS] + [studies.other(run, name) for name in studies.OTHERS]
     sections = {one.key: vars(one) for one in made if one is not None}
-    top = first.section(run, sections.get("fig3", {}).get("data"))
+    top = first.section(run)
     sections[top.key] = vars(top)
     return {
         "format": FORMAT, "version": VERSION, "release": __version__, "command": command,
