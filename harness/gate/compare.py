@@ -47,8 +47,7 @@ def compare(baseline: Baseline, now: Measured, checked: Checked) -> Iterator[Fin
         verdict = judged(same, not same and _closer(before, now, key))
         yield Finding("frequency", model, case, mode, "f [Hz]", was.frequency, new.frequency,
                       allowed, verdict, cause)  # fmt: skip
-        assert new.likeness is not None, "measured just now"
-        like = float(new.likeness[was.partner - 1])
+        like = float(now.answers[case, model][1].matrix[mode - 1, was.partner - 1])
         looks = f"looks like mode {new.partner} (assurance {new.assurance:.3f})"
         yield Finding("shape", model, case, mode, f"likeness with mode {was.partner} of the anchor",
                       was.assurance, like, SHAPE, judged(like >= was.assurance - SHAPE),
@@ -97,12 +96,11 @@ def _missing(before: Measured, now: Measured, checked: Checked) -> Iterator[Find
 def _count(before: Measured, now: Measured, place: Place) -> list[Finding]:
     """Return the count below the accepted cut: a row for each mode that is missing, or one."""
     case, model = place
-    old, spectrum = before.counts[place], now.counts[place].spectrum
-    assert spectrum is not None, "measured just now"
-    number = int((spectrum < old.cut).sum())
+    old, (modes, _, back) = before.counts[place], now.answers[place]
+    number = int((modes.frequencies < old.cut).sum())
     missing: list[int | None] = []
     if number < old.number:
-        found = now.found[place]
+        found = back.assurance
         for mode in range(1, len(found) + 1):
             one = before.modes.get((case, model, mode))
             if one and one.assurance >= TRUSTED and one.partner <= len(found):

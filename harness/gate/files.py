@@ -6,61 +6,51 @@ What they hold is compared digit by digit, so that anything but finite numbers i
 import csv
 import io
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import astuple, fields
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from analytic import InputError
-from harness.gate.measured import Count, Key, Measured, Order, Shaped, Source
-from harness.gate.ratchet import Baseline, Reason
+from harness.gate.measured import STORED, Count, Measured, Order, Shaped, Source
+from harness.gate.ratchet import Baseline, Limit, Reason
 from harness.output import write_all
 
-HEADERS = {
-    "frequencies.csv": ("case", "model", "mode", "frequency_hz", "partner", "assurance"),
-    "uncertainties.csv": ("case", "model", "mode", "uncertainty_hz"),
-    "tolerances.csv": ("case", "model", "mode", "noise", "tolerance"),
-    "counts.csv": ("case", "model", "cut_hz", "modes_below"),
-    "orders.csv": ("case", "model", "mode", "order", "formal", "elements"),
-    "models.csv": ("model", "theory", "version"),
-    "mechanisms.csv": ("case", "mechanism"),
-    "timings.csv": ("model", "since"),
-    "reasons.csv": tuple(f.name for f in fields(Reason)),
+KEY = "case", "model", "mode"
+FILES: dict[str, tuple[str, Callable[..., Any], tuple[str, ...], tuple[str, ...]]] = {
+    "frequencies.csv": ("modes", Shaped, KEY, ("frequency_hz", "partner", "assurance")),
+    "uncertainties.csv": ("uncertainties", float, KEY, ("uncertainty_hz",)),
+    "tolerances.csv": ("limits", Limit, KEY, ("noise", "tolerance")),
+    "counts.csv": ("counts", Count, KEY[:2], ("cut_hz", "modes_below")),
+    "orders.csv": ("orders", Order, KEY, ("order", "formal", "elements")),
+    "models.csv": ("sources", Source, ("model",), ("theory", "version")),
+    "mechanisms.csv": ("mechanisms", str, ("case",), ("mechanism",)),
+    "timings.csv": ("timed_since", str, ("model",), ("since",)),
+    "reasons.csv": ("reasons", Reason, (), tuple(one.name for one in fields(Reason))),
 }
-Row = Mapping[str, str]
-T = TypeVar("T")
+"""Every file: the figures that it holds, what one is, the columns of its key, and its own."""
+NUMBERS = {
+    "frequency_hz": "r", "uncertainty_hz": "r", "assurance": ".6f", "noise": ".3g",
+    "tolerance": ".3g", "cut_hz": ".6g", "order": ".6f", "formal": "g",
+}  # fmt: skip
+"""Columns of numbers, and how these are written; "r": with every digit."""
+WHOLE = "mode", "partner", "modes_below"
 
 
 def save(folder: Path, baseline: Baseline) -> list[Path]:
     """Write the baseline into `folder`, all files or none."""
-    now = baseline.figures
-
-    def lines(figures: Mapping[Any, T], cells: Callable[[T], Sequence[Any]]) -> list[Any]:
-        return [
-            (*((key,) if isinstance(key, str) else key), *cells(value))
-            for key, value in sorted(figures.items(), key=itemgetter(0))
-        ]
-
-    noise = {key: (baseline.noise[key], value) for key, value in baseline.tolerance.items()}
-    rows = (
-        lines(now.modes, lambda x: (repr(x.frequency), x.partner, f"{x.assurance:.6f}")),
-        lines(now.uncertainties, lambda x: [repr(x)]),
-        lines(noise, lambda x: [f"{value:.3g}" for value in x]),
-        lines(now.counts, lambda x: (f"{x.cut:.6g}", x.number)),
-        lines(
-            now.orders, lambda x: (f"{x.p:.6f}", f"{x.formal:g}", " ".join(map(str, x.elements)))
-        ),
-        lines(now.sources, astuple),
-        lines(now.mechanisms, lambda x: [x]),
-        lines(baseline.timed_since, lambda x: [x]),
-        [astuple(reason) for reason in baseline.reasons],
-    )
+    held = vars(baseline.figures) | vars(baseline)
     files = {}
-    for (name, header), body in zip(HEADERS.items(), rows, strict=True):
+    for file, (name, _, keys, columns) in FILES.items():
+        figures = sorted(held[name].items(), key=itemgetter(0)) if keys else held[name]
         text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([header, *body])
-        files[name] = text.getvalue().encode()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow((*keys, *columns))
+        for one in figures:
+            values = zip((*keys, *columns), _flat(one), strict=True)
+            writer.writerow([_written(*cell) for cell in values])
+        files[file] = text.getvalue().encode()
     return write_all(folder, files, "baseline")
 
 
@@ -72,55 +62,54 @@ def load(folder: Path) -> Baseline | None:
     """
     if not folder.exists():
         return None
-    rows: dict[str, list[Row]] = {}
-    name = ""
+    held: dict[str, Any] = {}
+    file = ""
     try:
-        for name, header in HEADERS.items():
-            reader = csv.DictReader((folder / name).read_text(encoding="utf-8").splitlines())
-            if tuple(reader.fieldnames or ()) != header:
-                raise ValueError(f"{name}: other columns")
-            rows[name] = list(reader)
-        return _baseline(*rows.values())
+        for file, (name, kind, keys, columns) in FILES.items():
+            reader = csv.DictReader((folder / file).read_text(encoding="utf-8").splitlines())
+            if tuple(reader.fieldnames or ()) != (*keys, *columns):
+                raise ValueError(f"{file}: other columns")
+            rows = [{column: _read(column, row) for column in row} for row in reader]
+            ones = [kind(*(row[column] for column in columns)) for row in rows]
+            at = [tuple(row[key] for key in keys) for row in rows]
+            places = [one[0] if len(keys) == 1 else one for one in at]
+            held[name] = dict(zip(places, ones, strict=True)) if keys else tuple(ones)
+        figures = Measured(**{name: held.pop(name) for name in STORED})
+        for (case, model, mode), order in figures.orders.items():
+            figures.followed(case, order.labels(model), mode)  # refuses one of no frequencies
+        return Baseline(figures, **held)
     except OSError as error:
-        why = f"{name}: {error.strerror or error}"
+        why = f"{file}: {error.strerror or error}"
     except (ValueError, KeyError, TypeError, InputError) as error:
         why = str(error)
     raise InputError("baseline", str(folder), f"a folder written by rps-bench accept ({why})")
 
 
-def _baseline(
-    frequencies: list[Row], uncertainties: list[Row], tolerances: list[Row], counts: list[Row],
-    orders: list[Row], models: list[Row], mechanisms: list[Row], timings: list[Row],
-    reasons: list[Row],
-) -> Baseline:  # fmt: skip
-    figures = Measured(
-        _keyed(frequencies, lambda r: Shaped(
-            _number(r, "frequency_hz"), int(r["partner"]), _number(r, "assurance"))),
-        _keyed(uncertainties, lambda r: _number(r, "uncertainty_hz")),
-        {(r["case"], r["model"]): Count(_number(r, "cut_hz"), int(r["modes_below"]))
-         for r in counts},
-        _keyed(orders, lambda r: Order(
-            _number(r, "order"), tuple(map(int, r["elements"].split())), _number(r, "formal"))),
-        {r["model"]: Source(r["theory"], r["version"]) for r in models},
-        {r["case"]: r["mechanism"] for r in mechanisms},
-    )  # fmt: skip
-    for (case, name, mode), order in figures.orders.items():
-        figures.followed(case, order.labels(name), mode)  # refuses an order of no frequencies
-    return Baseline(
-        figures,
-        _keyed(tolerances, lambda r: _number(r, "noise")),
-        _keyed(tolerances, lambda r: _number(r, "tolerance", above=True)),
-        {r["model"]: r["since"] for r in timings},
-        tuple(Reason(**{**r, "mode": int(r["mode"])}) for r in reasons),  # type: ignore[arg-type]
-    )
+def _flat(one: Any) -> Iterator[Any]:
+    """Yield the cells of a figure with its key."""
+    for part in one if isinstance(one, tuple) else (one,):
+        if isinstance(part, tuple):
+            yield from part
+        elif is_dataclass(part):
+            yield from (getattr(part, name.name) for name in fields(part))
+        else:
+            yield part
 
 
-def _keyed(rows: Sequence[Row], value: Callable[[Row], T]) -> dict[Key, T]:
-    return {(r["case"], r["model"], int(r["mode"])): value(r) for r in rows}
+def _written(column: str, value: Any) -> Any:
+    if column == "elements":
+        return " ".join(map(str, value))
+    form = NUMBERS.get(column, "")
+    return repr(value) if form == "r" else format(value, form)
 
 
-def _number(row: Row, name: str, *, above: bool = False) -> float:
-    value = float(row[name])
-    if not math.isfinite(value) or value < 0 or (above and value == 0):
-        raise ValueError(f"{name} of {row['model']} at {row['case']} is {row[name]}")
+def _read(column: str, row: dict[str, str]) -> Any:
+    text = row[column]
+    if column == "elements":
+        return tuple(map(int, text.split()))
+    if column not in NUMBERS:
+        return int(text) if column in WHOLE else text
+    value = float(text)
+    if not math.isfinite(value) or value < 0 or (column == "tolerance" and value == 0):
+        raise ValueError(f"{column} of {row['model']} at {row['case']} is {text}")
     return value

@@ -1,15 +1,16 @@
 """What a check compares: frequencies, what each mode looks like, mode counts, orders, versions."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError, Modes
-from analytic.pairing import pair
+from analytic.pairing import Pairing, pair
 from harness.bench import SPARE, Bench, label
 from harness.case import Case
 from harness.gate.plan import MODES, Checked, group
@@ -30,31 +31,29 @@ APART = 1.001
 @dataclass(frozen=True)
 class Shaped:
     """One mode: its `frequency` [Hz], the `partner` it looks like among the anchor's modes (from
-    1) and their `assurance`; `likeness` with every one of the anchor's modes, where just measured.
+    1) and their `assurance`.
     """
 
     frequency: float
     partner: int
     assurance: float
-    likeness: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class Count:
-    """How many modes lie below `cut` [Hz]; `spectrum`: the frequencies, where just measured."""
+    """How many modes, a `number`, lie below `cut` [Hz]."""
 
     cut: float
     number: int
-    spectrum: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
 class Order:
-    """An observed order `p` on meshes of `elements` a limb; the `formal` one."""
+    """An observed order `p`, the `formal` one, and the `elements` a limb of the meshes."""
 
     p: float
-    elements: tuple[int, ...]
     formal: float
+    elements: tuple[int, ...]
 
     def labels(self, name: str) -> list[str]:
         """Return what the meshes of the model called `name` are called."""
@@ -74,8 +73,8 @@ class Measured:
     """Everything that is compared, by where it belongs.
 
     Attributes: `modes`, `uncertainties` [Hz] of models that state them, `counts`, `orders`;
-    `sources` by label; `mechanisms`, their hashes, by case. Only where just measured: `found`, by
-    place, the assurance with which each of the anchor's modes is among the model's.
+    `sources` by label; `mechanisms`, their hashes, by case. Only where just measured: `answers`
+    by place: the modes, their pairing with the anchor's, and the anchor's with them.
     """
 
     modes: dict[Key, Shaped] = field(default_factory=dict)
@@ -84,7 +83,7 @@ class Measured:
     orders: dict[Key, Order] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     mechanisms: dict[str, str] = field(default_factory=dict)
-    found: dict[Place, NDArray[np.float64]] = field(default_factory=dict)
+    answers: dict[Place, tuple[Modes, Pairing, Pairing]] = field(default_factory=dict)
 
     @property
     def places(self) -> dict[Place, None]:
@@ -103,14 +102,11 @@ class Measured:
 
     def without(self, labels: Collection[str]) -> "Measured":
         """Return these figures without those of the models called `labels`."""
-        return Measured(
-            {k: v for k, v in self.modes.items() if k[1] not in labels},
-            {k: v for k, v in self.uncertainties.items() if k[1] not in labels},
-            {k: v for k, v in self.counts.items() if k[1] not in labels},
-            {k: v for k, v in self.orders.items() if not {*labels} & {*v.labels(k[1])}},
-            {k: v for k, v in self.sources.items() if k not in labels},
-            self.mechanisms,
-        )
+
+        def kept(of: Mapping[Any, Any]) -> dict[Any, Any]:
+            return {key: one for key, one in of.items() if not {*labels} & {*_models(key, one)}}
+
+        return Measured(**{name: kept(getattr(self, name)) for name in STORED})
 
     def updated(self, newer: "Measured") -> "Measured":
         """Return these figures with those of `newer` in their place.
@@ -118,7 +114,7 @@ class Measured:
         A model measured again leaves nothing old behind.
         """
         kept = self.without(newer.sources)
-        return Measured(*(getattr(kept, x.name) | getattr(newer, x.name) for x in STORED))
+        return Measured(**{name: getattr(kept, name) | getattr(newer, name) for name in STORED})
 
     def followed(self, case: str, labels: Sequence[str], mode: int) -> NDArray[np.float64]:
         """Return the frequency [Hz] of `mode` of the last of `labels` in each of them.
@@ -137,8 +133,15 @@ class Measured:
         return np.array(found)
 
 
-STORED = fields(Measured)[:6]
+STORED = [one.name for one in fields(Measured)][:6]
 """What of `Measured` is kept; the rest is for comparing it."""
+
+
+def _models(key: Any, one: Any) -> Sequence[str]:
+    """Return the labels of the models that a figure is of."""
+    if isinstance(one, Order):
+        return one.labels(key[1])
+    return [key if isinstance(key, str) else key[1]]
 
 
 def measure(checked: Checked, bench: Bench) -> Measured:
@@ -162,7 +165,7 @@ def measure(checked: Checked, bench: Bench) -> Measured:
                 values = result.followed(case.name, [label(model) for model in last], i)
                 p = verify(elements, values.tolist(), formal).order
                 if np.isfinite(p):
-                    result.orders[case.name, ladder[0].name, i] = Order(p, elements, formal)
+                    result.orders[case.name, ladder[0].name, i] = Order(p, formal, elements)
     return result
 
 
@@ -171,14 +174,17 @@ def _add(result: Measured, case: Case, model: str, modes: Modes, anchor: Modes) 
     where = case.name, model
     result.sources[model] = Source(modes.theory, modes.version)
     seen = pair(modes.first(MODES), anchor, case.mechanism, case.pose)
-    for i, (partner, like) in enumerate(zip(seen.partner.tolist(), seen.matrix, strict=True)):
-        shaped = Shaped(float(modes.frequencies[i]), partner + 1, float(like[partner]), like)
-        result.modes[*where, i + 1] = shaped
+    back = pair(anchor.first(MODES), modes, case.mechanism, case.pose)
+    result.answers[where] = modes, seen, back
+    for i, (f, partner, like) in enumerate(
+        zip(
+            modes.frequencies.tolist(), seen.partner.tolist(), seen.assurance.tolist(), strict=False
+        )
+    ):
+        result.modes[*where, i + 1] = Shaped(f, partner + 1, like)
         if modes.uncertainty is not None:
             result.uncertainties[*where, i + 1] = float(modes.uncertainty[i])
     result.counts[where] = counted(modes.frequencies, MODES)
-    back = pair(anchor.first(MODES), modes, case.mechanism, case.pose)
-    result.found[where] = back.assurance
 
 
 def counted(f: NDArray[np.float64], count: int) -> Count:
@@ -192,4 +198,4 @@ def counted(f: NDArray[np.float64], count: int) -> Count:
     )  # fmt: skip
     gaps[:2] = 0.0
     number = 1 + int(gaps.argmax())
-    return Count(float(np.sqrt(f[number - 1] * f[number])), number, f)
+    return Count(float(np.sqrt(f[number - 1] * f[number])), number)

@@ -44,24 +44,30 @@ class Reason:
 
 
 @dataclass(frozen=True)
+class Limit:
+    """The measured `noise` of a frequency and the `tolerance` of its changes, relative."""
+
+    noise: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
 class Baseline:
     """What was accepted.
 
-    Attributes: `figures`; by (case, model, mode), all map poses as one case, the measured `noise`
-    and `tolerance`, relative; `timed_since`, by model, the first run whose seconds count;
-    `reasons`.
+    Attributes: `figures`; `limits` by (case, model, mode), all map poses as one case;
+    `timed_since`, by model, the first run whose seconds count; `reasons`.
     """
 
     figures: Measured
-    noise: dict[Key, float]
-    tolerance: dict[Key, float]
+    limits: dict[Key, Limit]
     timed_since: dict[str, str] = field(default_factory=dict)
     reasons: tuple[Reason, ...] = ()
 
     def allowed(self, key: Key) -> float:
         """Return the tolerance of a frequency, relative."""
         case, model, mode = key
-        return self.tolerance[group(case), model, mode]
+        return self.limits[group(case), model, mode].tolerance
 
     def order_tolerance(self, key: Key) -> float:
         """Return the tolerance of an observed order: that of the frequencies, carried through.
@@ -122,8 +128,8 @@ def accept(
     Models not measured stay as they are, but for those called one of `gone`.
     """
     if before is None:
-        fresh = {key: FACTOR * max(value, FLOOR) for key, value in noise.items()}
-        return Baseline(now, dict(noise), fresh, {}, tuple(reasons))
+        fresh = {key: Limit(own, FACTOR * max(own, FLOOR)) for key, own in noise.items()}
+        return Baseline(now, fresh, {}, tuple(reasons))
     modes, drift = dict(now.modes), dict[Key, float]()
     for key, new in now.modes.items():
         was, off = before.figures.modes.get(key), np.inf
@@ -134,20 +140,20 @@ def accept(
             modes[key] = was
             place = group(key[0]), *key[1:]
             drift[place] = max(drift.get(place, 0.0), off)
-    kept, wider = dict(before.tolerance), []
+    limits, wider = dict(before.limits), []
     for key, own in noise.items():
         # A value that is kept must still be met by what was measured.
-        value, old = FACTOR * max(own, drift.get(key, 0.0), FLOOR), kept.get(key, np.inf)
-        kept[key] = min(old, value)
-        if reason and value > old and own > NEAR * old:
+        value = FACTOR * max(own, drift.get(key, 0.0), FLOOR)
+        old = limits[key].tolerance if key in limits else np.inf
+        widens = bool(reason) and value > old and own > NEAR * old
+        limits[key] = Limit(own, value if widens else min(old, value))
+        if widens:
             case, model, mode = key
-            kept[key] = value
             wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
                                 repr(old), repr(value), reason))  # fmt: skip
     return Baseline(
         before.figures.without(gone).updated(replace(now, modes=modes)),
-        {key: v for key, v in (before.noise | dict(noise)).items() if key[1] not in gone},
-        {key: v for key, v in kept.items() if key[1] not in gone},
+        {key: one for key, one in limits.items() if key[1] not in gone},
         before.timed_since,
         (*before.reasons, *reasons, *wider),
     )

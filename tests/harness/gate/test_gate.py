@@ -363,7 +363,7 @@ def test_what_lowers_the_bar_takes_a_reason_and_what_is_gone_goes(once: Accepted
     new = accepted(report, checked, once.bench, "it is elsewhere now")
     assert "timoshenko@exact" in once.baseline.figures.sources
     assert "timoshenko@exact" not in new.figures.sources
-    assert not any("timoshenko@exact" in key for key in (*new.figures.modes, *new.tolerance))
+    assert not any("timoshenko@exact" in key for key in (*new.figures.modes, *new.limits))
     assert {(one.model, one.reason) for one in new.reasons} == {
         ("timoshenko@exact", "it is elsewhere now")
     }
