@@ -29,9 +29,7 @@ HEAVIEST = 1.5
 LIGHTEST = 0.2
 """Smallest modal mass of a low mode that moves centre lines or platform at all."""
 SOFT, STIFF = 4.0, 10.0
-"""Factors by which a frequency may be above or below what its own shape's energy makes of it."""
-FREE = 1e-5
-"""Frequencies below this part of the largest may be the rounding of a free motion, of 0 Hz."""
+"""Factors by which the lowest frequency may be above or below that of exact beams."""
 LOWEST = 6
 """Lowest modes that move: ten parts of a limb show no more bends than theirs."""
 
@@ -59,9 +57,7 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     # Its own arrays, whatever the model does with its memory next; a -0.0 is 0.
     modes = replace(modes, frequencies=frequencies + 0.0)
     _joints(modes, mechanism, pose)
-    mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
-    _energies(modes, mass, mechanism, pose)
-    _masses(modes, mass, info, mechanism, pose)
+    _masses(modes, info, mechanism, pose)
     return modes
 
 
@@ -105,23 +101,28 @@ def believed(
     else:
         found = call(model, count)
     modes = checked(found, info, mechanism, pose, count)
-    limit = model.limit()
-    if limit == model or (limit is None and mechanism.simple):
+    truth = _truth(model)
+    if truth == model:
         return modes
     try:
-        exact = known(limit or RICHEST, asked(mechanism, count))
+        exact = known(truth, asked(mechanism, count))
     except ModelError:  # the limit cannot be certified here: it is no fault of the model's
         return modes
-    if limit is None:
-        _near(modes, exact)
-        return modes
-    keeps(modes, info, model.elements, exact, mechanism, pose)
+    _near(modes, exact)
+    if truth == model.limit():
+        keeps(modes, info, model.elements, exact, mechanism, pose)
     return modes
+
+
+def _truth(model: Model) -> Model:
+    """Return the exact limit that a model declares; of what has none but itself, sheared beams."""
+    limit = model.limit()
+    return RICHEST if limit is None or limit == model else limit
 
 
 def solved(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> tuple[Modes, float]:
     """Return `believed` modes, solved in this process, and the seconds that `model` itself took."""
-    limit, exact, seconds = model.limit(), list[Modes](), list[float]()
+    truth, exact, seconds = _truth(model), list[Modes](), list[float]()
 
     def call(one: Model, number: int) -> object:
         began = perf_counter()
@@ -130,7 +131,7 @@ def solved(model: Model, mechanism: Mechanism, pose: Pose, count: int) -> tuple[
         return answer
 
     def known(other: Model, number: int) -> Modes:
-        if other != limit:
+        if other != truth:
             return believed(other, mechanism, pose, number, call, known)
         if not exact or len(exact[0].frequencies) < number:
             try:
@@ -277,12 +278,13 @@ def _seen(off: Array, held: Array) -> Array:
     return np.asarray(np.einsum("nij,mnj->mni", held, off))
 
 
-def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: Pose) -> None:
-    """Refuse modes whose `mass`, of centre lines and platform, is not scaled to one.
+def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> None:
+    """Refuse modes whose mass, of centre lines and platform, is not scaled to one.
 
     A mode that moves neither is of a limb alone, which twists or turns a body, and none does below
     its first own frequency.
     """
+    mass = (mass_vectors(modes, mechanism, pose) ** 2).sum(axis=1)
     still = mass < STILL**2
     turn = np.linalg.norm(modes.platform[:, 3:], axis=1)
     if not mechanism.simple:  # a platform of next to no inertia turns with a rod that twists
@@ -306,45 +308,11 @@ def _masses(modes: Modes, mass: Array, info: Info, mechanism: Mechanism, pose: P
 
 
 def _near(modes: Modes, exact: Modes) -> None:
-    """Refuse frequencies far from those of exact sheared beams: what else holds of any chain."""
+    """Refuse frequencies far from those of exact beams: a wrong unit is a factor of six or more."""
     first = int((exact.frequencies == 0).sum())
     own, beams = modes.frequencies[first:], exact.frequencies[first:]
     if len(own) and not 1 / STIFF <= own[0] / beams[0] <= SOFT:
         raise ModelError(
             f"its f{first + 1} is {own[0]:.4g} Hz, where exact beams have {beams[0]:.4g} Hz: is it "
             "in hertz?"
-        )
-
-
-def _energies(modes: Modes, mass: Array, mechanism: Mechanism, pose: Pose) -> None:
-    """Refuse frequencies that are not in hertz: far from what the shapes' own energy makes of them.
-
-    Rayleigh's quotient of the lowest modes that move: omega^2 = sum_i int EI (u''^2 + v''^2) + EA
-    w'^2 dz over the modal mass, second differences of the shapes at their stations. Coarse, and
-    shear and joints between rigid segments shift it, but a wrong unit is a factor of six or more.
-    """
-    if not mechanism.simple:
-        return  # joints that give way hold energy too: see `_near`
-    limbs, h = limbs_at(mechanism, pose), STATIONS[1]
-    u, v, w = np.einsum("mikc,icd->dmik", modes.limbs, limbs.frames)
-    # The clamp lets the limb neither move nor turn across its axis (v); about it (u) it is free.
-    bends = [np.diff(u, 2, axis=-1), np.diff(v, 2, axis=-1), np.sqrt(2) * v[..., 1:2]]
-    curvature = np.concatenate(bends, axis=-1) / (h * limbs.lengths[:, None]) ** 2
-    strain = np.diff(w, axis=-1) / (h * limbs.lengths[:, None])
-    rods = [limb.rod for limb in mechanism.limbs]
-    bending = np.array([rod.material.young * rod.second_moment for rod in rods])
-    axial = np.array([rod.material.young * rod.area for rod in rods])
-    density = bending * (curvature**2).sum(axis=-1) + axial * (strain**2).sum(axis=-1)
-    energy = (density * h * limbs.lengths).sum(axis=-1)
-    floor = FREE * modes.frequencies.max(initial=0.0)
-    seen = np.flatnonzero((mass >= STILL**2) & (modes.frequencies > floor))[:LOWEST]
-    if not seen.size:
-        return
-    own = np.sqrt(energy[seen] / mass[seen]) / (2 * np.pi)
-    ratio = float(np.median(modes.frequencies[seen] / np.maximum(own, 1e-300)))
-    if not 1 / STIFF <= ratio <= SOFT:
-        i = int(seen[0])
-        raise ModelError(
-            f"its f{i + 1} is {modes.frequencies[i]:.4g} Hz, where the energy of its own shape "
-            f"makes about {own[0]:.2g} Hz: is it in hertz?"
         )

@@ -6,33 +6,23 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from analytic import Info, InputError, Modes
+from analytic import InputError, Modes
 from harness.answer import checked
 from harness.bench import SPARE, ModesTask, label
 from harness.case import Case
 from harness.listener import Listener
+from harness.plugins import Question
 from harness.tables import Cell, Number, Table
 from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse
 
 EXAMPLE = "as in mujoco==3.17.0,mujoco==4.0.0"
 Answers = dict[tuple[Case, Named], Modes | Failure]
-
-
-@dataclass(frozen=True)
-class InfoTask:
-    """What a model is where it runs: another version may have another theory."""
-
-    model: Named
-
-    def solve(self) -> Info:
-        """Return what the model says of itself."""
-        return self.model.info()
 
 
 def requirements(text: str) -> tuple[str, str]:
@@ -129,26 +119,22 @@ def _solve(
     found: Answers = {}
     with closing(Children(_launcher(requirement))) as children:
         for model in models:
-            info = children.attempt(InfoTask(model), limit)
+            # What it is where it runs: another version may have another theory.
+            info: Any = children.attempt(Question(model, Named.info), limit)
             for case in cases:
-                found[case, model] = _modes(children, model, info, case, count, limit)
+                task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
+                answer: Any = info
+                if not isinstance(info, Failure):
+                    answer = children.attempt(task, limit)
+                if not isinstance(answer, Failure):
+                    try:
+                        modes = checked(answer, info, case.mechanism, case.pose, task.count)
+                        answer = modes.first(count)
+                    except ModelError as error:
+                        answer = Failure(str(error))
+                found[case, model] = answer
             tell.done(f"{label(model)} with {requirement}")
     return found
-
-
-def _modes(
-    children: Children, model: Named, info: object, case: Case, count: int, limit: float
-) -> Modes | Failure:
-    if not isinstance(info, Info):
-        return info if isinstance(info, Failure) else Failure("no info")
-    task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
-    answer = children.attempt(task, limit)
-    if isinstance(answer, Failure):
-        return answer
-    try:
-        return checked(answer, info, case.mechanism, case.pose, task.count).first(count)
-    except ModelError as error:
-        return Failure(str(error))
 
 
 def _launcher(requirement: str) -> list[str]:

@@ -114,13 +114,14 @@ def history() -> Callable[..., Any]:
                   callback=check)  # fmt: skip
 
 
-def time_limit() -> Callable[..., Any]:
+def time_limit(default: float | None = None) -> Callable[..., Any]:
     """Return the option --time-limit: seconds that a simulator may take for one pose."""
     from harness.workers import LIMIT
 
+    seconds = LIMIT if default is None else default
     return click.option(
-        "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=LIMIT,
-        help=f"Seconds that a simulator may take for one pose; default {LIMIT:g}.",
+        "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=seconds,
+        help=f"Seconds that a simulator may take for one pose; default {seconds:g}.",
     )  # fmt: skip
 
 

@@ -4,6 +4,7 @@ import shlex
 import tempfile
 from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -34,10 +35,7 @@ FORMS = ("parquet", "csv", "json")
     "--cores", metavar="N", type=click.IntRange(1, 4096), help="Jobs at a time; default one a core."
 )
 @flags.option("scheduler", "ADDRESS", "Dask scheduler to use, tcp://HOST:PORT.")
-@click.option(
-    "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=60.0,
-    help="Seconds that a simulator may take for one pose; default 60.",
-)  # fmt: skip
+@flags.time_limit(60.0)
 @click.option(
     "--tries", metavar="N", type=click.IntRange(1, 1000), default=3,
     help="For a job whose process dies; default 3.",
@@ -45,21 +43,15 @@ FORMS = ("parquet", "csv", "json")
 @click.option("--dry-run", is_flag=True, help="Only say how many jobs there are, and how long.")
 @flags.history()
 def sweep(
-    poses: str,
-    models: str,
-    against: str | None,
-    modes: str,
-    shear: str | None,
-    case: str,
-    case_file: str | None,
     output: Path | None,
+    history: Path | None,
     form: str,
     cores: int | None,
     scheduler: str | None,
     time_limit: float,
     tries: int,
     dry_run: bool,
-    history: Path | None,
+    **texts: Any,
 ) -> int:
     """Solve any poses by any models: a row a pose, model and mode.
 
@@ -82,22 +74,22 @@ def sweep(
         from harness.sweep.sweep import Sweep, estimate
         from reference_models import parse
 
-        kappa = text.shear_coefficient(shear)
-        chosen = text.models(models, "models", **kappa)
+        kappa, against = text.shear_coefficient(texts["shear"]), texts["against"]
+        chosen = text.models(texts["models"], "models", **kappa)
         reference = None if against is None else parse(against, "against", **kappa)
         if reference is not None and set(chosen) == {reference}:
             raise InputError("against", against, "a model that is not the only one of --models")
-        shown = text.numbers("modes", modes, text.MOST_MODES)
+        shown = text.numbers("modes", texts["modes"], text.MOST_MODES)
         if form not in FORMS:
             raise InputError("format", form, ", ".join(FORMS))
-        (at,) = select([case], load_cases(Path(case_file)) if case_file is not None else {})
+        file = texts["case_file"]
+        (at,) = select([texts["case"]], load_cases(Path(file)) if file is not None else {})
         everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
-        study = Sweep(at.mechanism, pose_set(poses, at.mechanism), everything, max(shown))
-        same = {"modes": (modes, "1-6"), "case": (case, "case1"), "case-file": (case_file, None)}
+        study = Sweep(at.mechanism, pose_set(texts["poses"], at.mechanism), everything, max(shown))
         again = "".join(
-            f" --{name} {shlex.quote(str(value))}"
-            for name, (value, usual) in same.items()
-            if value != usual
+            f" {flags.flag(name)} {shlex.quote(str(texts[name]))}"
+            for name, usual in (("modes", "1-6"), ("case", "case1"), ("case_file", None))
+            if texts[name] != usual
         )
         processes = len(study.poses) * sum(model.info().isolated for model in everything)
         patience = Patience(time_limit, tries)

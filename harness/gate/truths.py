@@ -17,7 +17,6 @@ from harness.case import Case
 from harness.causes import THEORIES
 from harness.declared import moving
 from harness.gate.equivalents import answer, relative
-from harness.gate.measured import counted
 from harness.gate.plan import MODES, Checked
 from harness.gate.properties import Seen, precision, rounding, solved
 from harness.presets import CONFORMING
@@ -41,7 +40,6 @@ def truths(checked: Checked, bench: Bench) -> Iterator[Seen]:
     yield from _theories(checked, bench)
     yield from _massless(checked, bench)
     yield from _exact_counts(checked)
-    yield from _mesh_counts(checked)
     yield from _torsion(checked, bench)
 
 
@@ -221,30 +219,17 @@ def _exact_counts(checked: Checked) -> Iterator[Seen]:
     """No mode missing, none too many: Wittrick and Williams count as many as were found."""
     study, number = checked.cases, np.arange(1, MODES + 1)
     for model in _exact(checked):
+        theory = _theory(model)
+        count = Continuum(theory.beam, theory.shear).count_below
         for case in study.complete(model):
             f = solved(study, case, model)
             below, upto = (
-                np.array([_count(model, case, one * (1 + side)) for one in f.tolist()])
-                for side in (-BESIDE, BESIDE)
+                np.array([one and count(case.mechanism, case.pose, one) for one in beside.tolist()])
+                for beside in (f * (1 - BESIDE), f * (1 + BESIDE))
             )
             # The k-th mode: fewer than k below it, at least k up to it; free motion has no below.
             off = np.maximum(below - (number - 1), number - upto) * (f > 0)
             yield _counted("Wittrick-Williams count", label(model), case, np.maximum(off, 0.0))
-
-
-def _mesh_counts(checked: Checked) -> Iterator[Seen]:
-    """The finest mesh has as many modes below its widest gap as its theory has."""
-    study = checked.cases
-    for *_, model in checked.plan.ladders:
-        for case in study.complete(model) if model.limit() is not None else ():
-            if not (model.info().torsion or case.mechanism.simple):
-                continue  # of other limbs torsion is no count of its own
-            seen = counted(study.answers[case, model].frequencies, MODES)
-            expected = _count(model, case, seen.cut)
-            if not model.info().torsion:
-                expected -= _twisting(case, seen.cut)
-            off = np.array([abs(expected - seen.number)])
-            yield _counted("modes counted on the finest mesh", label(model), case, off)
 
 
 def _torsion(checked: Checked, bench: Bench) -> Iterator[Seen]:
@@ -269,23 +254,3 @@ def _torsion(checked: Checked, bench: Bench) -> Iterator[Seen]:
 def _counted(name: str, model: str, case: Case, off: Floats) -> Seen:
     """Return a property of whole numbers of modes, which are `off` by none."""
     return Seen(name, model, "modes", case.name, off, np.full(len(off), 0.5))
-
-
-def _count(model: Named, case: Case, frequency: float) -> int:
-    """Return how many modes of a model's theory lie below a frequency [Hz]."""
-    theory = _theory(model)
-    continuum = Continuum(theory.beam, theory.shear)
-    return 0 if frequency <= 0 else continuum.count_below(case.mechanism, case.pose, frequency)
-
-
-def _twisting(case: Case, frequency: float) -> int:
-    """Return how many modes of torsion lie below: f = (2 k - 1) / 4 L sqrt(G / rho) of each limb.
-
-    A limb is held against twist by its revolute joint, and by nothing at its spherical one.
-    """
-    lengths = limbs_at(case.mechanism, case.pose).lengths.tolist()
-    steel = [limb.rod.material for limb in case.mechanism.limbs]
-    return sum(
-        int(2 * L * frequency / np.sqrt(m.shear / m.density) + 0.5)
-        for L, m in zip(lengths, steel, strict=True)
-    )

@@ -95,6 +95,14 @@ def constant(text: object) -> str:
     return f"CAST({quoted(text)} AS ENUM({quoted(text)}))"
 
 
+def one_of(texts: Sequence[str], number: str) -> str:
+    """Return that of some texts whose `number` from 0 a column or an expression says."""
+    if len({*texts}) == 1:
+        return constant(texts[0])
+    known = ", ".join(map(quoted, dict.fromkeys(texts)))
+    return f"CAST([{', '.join(map(quoted, texts))}][{number} + 1] AS ENUM({known}))"
+
+
 def named(name: str) -> str:
     """Return a column's name as SQL writes it."""
     return '"' + name.replace('"', '""') + '"'

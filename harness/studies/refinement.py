@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from analytic import InputError
-from harness.answer import FREE
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES, exact
@@ -29,6 +28,8 @@ SAFETY, WARY = 1.25, 3.0
 """Roache's factors: on three meshes in the asymptotic range, and anywhere else."""
 ASYMPTOTIC = 0.25
 """Largest relative difference of observed and formal order in the asymptotic range."""
+FREE = 1e-5
+"""Frequencies below this part of the largest may be the rounding of a free motion, of 0 Hz."""
 ROUNDING = 1e-10
 """Relative steps below this are rounding; nothing can be read from them."""
 

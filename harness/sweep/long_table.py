@@ -70,10 +70,11 @@ class LongTable:
             self.base.execute(f"INSERT INTO wide SELECT {', '.join(values)} FROM block")
             self.base.unregister("block")
 
-    def write(self) -> None:
-        """Write the file; it takes its name when it is complete."""
+    def write(self, *without: str) -> None:
+        """Write the file but for some columns; it takes its name when it is complete."""
+        shown = ", ".join(named(name) for name in self._columns if name not in without)
         with self._told():
-            sink(self.base, f"SELECT * FROM {TABLE}", self._part, self.file.suffix)
+            sink(self.base, f"SELECT {shown} FROM {TABLE}", self._part, self.file.suffix)
             self._part.replace(self.file)
 
     @contextmanager

@@ -12,7 +12,7 @@ import numpy as np
 
 from analytic.model import Model
 from harness.bench import label
-from harness.history.duck import constant, named, quoted
+from harness.history.duck import constant, named, one_of, quoted
 from harness.history.provenance import provenance
 from harness.history.store import append_table, has, name_of
 from harness.poses import COLUMNS, cells, columns, headings, used
@@ -35,8 +35,9 @@ ROWS = {
     "uncertainty_hz": "DOUBLE",
     "closure_m": "DOUBLE",
     "dofs": "BIGINT",
+    "made": "BIGINT",
 }
-
+"""Columns and their types; the last one, which of `Rows.made` it was, is not for the file."""
 
 FEW = 3
 """Poses whose frequencies are shown when a sweep ends."""
@@ -44,31 +45,11 @@ FEW = 3
 
 @dataclass
 class Timing:
-    """What a model itself took over all runs into a folder: `poses` and seconds a pose of each job.
-
-    `theories` and `versions` in words: usually one, but a simulator may have others elsewhere.
-    `made`: numbers of the first and last pose of what was found by one code, machine and libraries.
-    """
+    """What a model itself took over all runs into a folder: all, and a pose of `each` job [s]."""
 
     poses: int = 0
     seconds: float = 0.0
     each: list[float] = field(default_factory=list)
-    theories: set[str] = field(default_factory=set)
-    versions: set[str] = field(default_factory=set)
-    made: dict[tuple[str, ...], list[tuple[int, int]]] = field(default_factory=dict)
-
-    def add(self, job: Job, answer: Answer) -> None:
-        """Take in a job."""
-        self.poses += len(job.poses)
-        self.seconds += answer.seconds
-        self.each.append(answer.seconds / len(job.poses))
-        self.theories.add(answer.theory)
-        self.versions.add(answer.version)
-        first, last = job.start + 1, job.start + len(job.poses)
-        ranges = self.made.setdefault(answer.made, [])
-        if ranges and ranges[-1][1] == job.start:
-            first = ranges.pop()[0]
-        ranges.append((first, last))
 
     @property
     def usual(self) -> float | None:
@@ -79,12 +60,14 @@ class Timing:
 class Rows:
     """The rows on their way to `file`; a thread adds them, block by block, while jobs are solved.
 
-    As a context. Attributes, whole when `write` has returned: `timings` of each model; `runs` of a
-    history that the answers went to, None among them where one went nowhere yet.
+    As a context. Attributes, whole when `write` has returned: `timings` of each model; `made`: what
+    code, machines and libraries made the answers, numbered; `runs` of a history that the answers
+    went to, None among them where one went nowhere yet.
     """
 
     def __init__(self, sweep: Sweep, journal: Journal, file: Path, modes: Sequence[int]) -> None:
         self.timings = {model: Timing() for model in sweep.models}
+        self.made: dict[tuple[str, ...], int] = {}
         self.runs: set[str | None] = set()
         self._sweep, self._journal, self._pick = sweep, journal, np.array(modes) - 1
         labels = ", ".join(quoted(label(model)) for model in sweep.models)
@@ -112,7 +95,10 @@ class Rows:
         stop = min(start + BATCH, len(sweep.poses))
         found = list(sweep.answers(self._journal, model, start, stop))
         for job, answer in found:
-            self.timings[model].add(job, answer)
+            timing = self.timings[model]
+            timing.poses += len(job.poses)
+            timing.seconds += answer.seconds
+            timing.each.append(answer.seconds / len(job.poses))
             self.runs.add(self._journal.run_of(job))
         if found:
             same = {"mechanism": mechanism_hash(sweep.mechanism), "model": label(model)}
@@ -144,6 +130,7 @@ class Rows:
             "version": each([a.version for a in got]),
             "closure_m": each([a.closure for a in got]),
             "dofs": each([a.dofs or None for a in got]),
+            "made": each([self.made.setdefault(a.made, len(self.made)) for a in got]),
             "frequency_hz": of_modes([a.frequencies for a in got]),
             "uncertainty_hz": of_modes(
                 [np.nan * a.frequencies if a.uncertainty is None else a.uncertainty for a in got]
@@ -154,7 +141,7 @@ class Rows:
         """Write the file when all blocks are there."""
         for added in self._added:
             added.result()
-        self._table.write()
+        self._table.write("made")
 
     def keep(self, folder: Path, command: str) -> None:
         """Append the rows to the history in `folder`, if it lacks any; `solve_s` is a median.
@@ -163,32 +150,19 @@ class Rows:
         """
         if all(run is not None and has(folder, run) for run in self.runs):
             return
+        models, timings = self._sweep.models, self.timings.values()
+        usual = ", ".join(str(timing.usual or "NULL") for timing in timings)
+        count = self._sweep.count
+        own = {
+            "case": constant(SWEEP),
+            "settings": one_of([settings(model, count) for model in models], "enum_code(model)"),
+            "solve_s": f"[{usual}][enum_code(model) + 1]",
+        }
+        for name, values in zip(provenance(), zip(*self.made, strict=True), strict=True):
+            own[name] = one_of(values, "made")
+        shown = ", ".join(f"{sql} AS {named(name)}" for name, sql in own.items())
         base = self._table.base
-        base.execute("CREATE TEMP TABLE made (number BIGINT, first BIGINT, last BIGINT)")
-        parts: list[str] = []
-        for model, timing in self.timings.items():
-            same = {  # what is the same in all rows of a model need not be read
-                "case": SWEEP,
-                "mechanism": mechanism_hash(self._sweep.mechanism),
-                "model": label(model),
-                "settings": settings(model, self._sweep.count),
-            }
-            for name, values in (("theory", timing.theories), ("version", timing.versions)):
-                if len(values) == 1:
-                    same[name] = min(values)
-            shown = [name for name in self._kinds if name not in same]
-            shown += [f"{constant(value)} AS {named(name)}" for name, value in same.items()]
-            shown.append(f"{timing.usual or 'NULL'} AS solve_s")
-            for made, ranges in timing.made.items():
-                about = zip(provenance(), made, strict=True)
-                own = [f"{constant(value)} AS {named(name)}" for name, value in about]
-                where = f"WHERE model = {quoted(label(model))}"
-                if len(timing.made) > 1:
-                    base.executemany(f"INSERT INTO made VALUES ({len(parts)}, ?, ?)", ranges)
-                    within = "pose BETWEEN first AND last"
-                    where += f" AND EXISTS (FROM made WHERE number = {len(parts)} AND {within})"
-                parts.append(f"SELECT {', '.join([*shown, *own])} FROM {TABLE} {where}")
-        base.execute(f"CREATE TEMP VIEW records AS {' UNION ALL BY NAME '.join(parts)}")
+        base.execute(f"CREATE TEMP VIEW records AS SELECT *, {shown} FROM {TABLE}")
         time = datetime.now(UTC)
         run = name_of(time)
         self._journal.goes_to(

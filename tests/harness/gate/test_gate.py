@@ -326,7 +326,7 @@ def test_what_the_baseline_says_is_what_is_compared(once: Accepted) -> None:
 
 @pytest.mark.slow
 def test_kilohertz_for_hertz_is_no_pass_and_not_accepted(once: Accepted, plant: Planted) -> None:
-    """Without a baseline as well: its shapes are not those of such frequencies."""
+    """Without a baseline as well: exact beams have other frequencies."""
     study = replace(plan("exudyn-cable"), mapped=(), poses=())
     checked = solve(plant(study, "exudyn-cable", factor=lambda m, p: 1e-3), once.bench)
     report = look(checked, once.bench, None)
