@@ -1,6 +1,7 @@
 """What an answer must satisfy before it is a number: else it is a failure with a reason."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from numbers import Integral, Real
 from time import perf_counter
@@ -38,11 +39,19 @@ class NotTakenError(ModelError):
     """A mechanism that the model says it cannot take."""
 
 
-def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count: int) -> Modes:
+def checked(
+    answer: object,
+    info: Info,
+    mechanism: Mechanism,
+    pose: Pose,
+    count: int,
+    exact: Modes | None = None,
+) -> Modes:
     """Return `answer` with `count` modes if it is one to be believed; else raise `ModelError`.
 
     Frequencies are finite, not negative and ascend; shapes have the right form, are finite and of
-    unit modal mass; limbs end at their bases and at the platform; joints are closed.
+    unit modal mass; limbs end at their bases and at the platform; joints are closed; frequencies
+    are of the size of the `exact` ones, if there are some.
     """
     if type(answer) is not Modes:  # of another class anything may happen where it is read
         raise ModelError(f"it answered {type(answer).__name__}, where Modes were expected")
@@ -57,6 +66,8 @@ def checked(answer: object, info: Info, mechanism: Mechanism, pose: Pose, count:
     # Its own arrays, whatever the model does with its memory next; a -0.0 is 0.
     modes = replace(modes, frequencies=frequencies + 0.0)
     _joints(modes, mechanism, pose)
+    if exact is not None:
+        _near(modes, exact)
     _masses(modes, info, mechanism, pose)
     return modes
 
@@ -100,16 +111,11 @@ def believed(
         found: object = _extrapolated(model, model.elements, mechanism, pose, count, known)
     else:
         found = call(model, count)
-    modes = checked(found, info, mechanism, pose, count)
-    truth = _truth(model)
-    if truth == model:
-        return modes
-    try:
-        exact = known(truth, asked(mechanism, count))
-    except ModelError:  # the limit cannot be certified here: it is no fault of the model's
-        return modes
-    _near(modes, exact)
-    if truth == model.limit():
+    exact, truth = None, _truth(model)
+    with suppress(ModelError):  # it cannot be certified here: that is no fault of the model's
+        exact = None if truth == model else known(truth, asked(mechanism, count))
+    modes = checked(found, info, mechanism, pose, count, exact)
+    if exact is not None and truth == model.limit():
         keeps(modes, info, model.elements, exact, mechanism, pose)
     return modes
 

@@ -6,9 +6,7 @@ What they hold is compared digit by digit, so that anything but finite numbers i
 import csv
 import io
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass
-from operator import itemgetter
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +25,7 @@ FILES: dict[str, tuple[str, Callable[..., Any], tuple[str, ...], tuple[str, ...]
     "models.csv": ("sources", Source, ("model",), ("theory", "version")),
     "mechanisms.csv": ("mechanisms", str, ("case",), ("mechanism",)),
     "timings.csv": ("timed_since", str, ("model",), ("since",)),
-    "reasons.csv": ("reasons", Reason, (), tuple(one.name for one in fields(Reason))),
+    "reasons.csv": ("reasons", Reason, (), Reason._fields),
 }
 """Every file: the figures that it holds, what one is, the columns of its key, and its own."""
 NUMBERS = {
@@ -43,13 +41,11 @@ def save(folder: Path, baseline: Baseline) -> list[Path]:
     held = vars(baseline.figures) | vars(baseline)
     files = {}
     for file, (name, _, keys, columns) in FILES.items():
-        figures = sorted(held[name].items(), key=itemgetter(0)) if keys else held[name]
-        text = io.StringIO()
+        figures, text = held[name], io.StringIO()
+        rows = [_cells(k) + _cells(one) for k, one in sorted(figures.items())] if keys else figures
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow((*keys, *columns))
-        for one in figures:
-            values = zip((*keys, *columns), _flat(one), strict=True)
-            writer.writerow([_written(*cell) for cell in values])
+        writer.writerows(map(_written, (*keys, *columns), row) for row in rows)
         files[file] = text.getvalue().encode()
     return write_all(folder, files, "baseline")
 
@@ -69,11 +65,10 @@ def load(folder: Path) -> Baseline | None:
             reader = csv.DictReader((folder / file).read_text(encoding="utf-8").splitlines())
             if tuple(reader.fieldnames or ()) != (*keys, *columns):
                 raise ValueError(f"{file}: other columns")
-            rows = [{column: _read(column, row) for column in row} for row in reader]
-            ones = [kind(*(row[column] for column in columns)) for row in rows]
-            at = [tuple(row[key] for key in keys) for row in rows]
-            places = [one[0] if len(keys) == 1 else one for one in at]
-            held[name] = dict(zip(places, ones, strict=True)) if keys else tuple(ones)
+            n, rows = len(keys), [[_read(column, row) for column in row] for row in reader]
+            ones = [kind(*row[n:]) for row in rows]
+            at = [row[0] if n == 1 else tuple(row[:n]) for row in rows]
+            held[name] = dict(zip(at, ones, strict=True)) if n else tuple(ones)
         figures = Measured(**{name: held.pop(name) for name in STORED})
         for (case, model, mode), order in figures.orders.items():
             figures.followed(case, order.labels(model), mode)  # refuses one of no frequencies
@@ -85,15 +80,8 @@ def load(folder: Path) -> Baseline | None:
     raise InputError("baseline", str(folder), f"a folder written by rps-bench accept ({why})")
 
 
-def _flat(one: Any) -> Iterator[Any]:
-    """Yield the cells of a figure with its key."""
-    for part in one if isinstance(one, tuple) else (one,):
-        if isinstance(part, tuple):
-            yield from part
-        elif is_dataclass(part):
-            yield from (getattr(part, name.name) for name in fields(part))
-        else:
-            yield part
+def _cells(one: Any) -> tuple[Any, ...]:
+    return one if isinstance(one, tuple) else (one,)
 
 
 def _written(column: str, value: Any) -> Any:

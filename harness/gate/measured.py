@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +28,7 @@ APART = 1.001
 """Neighbours this far apart, as a ratio, can be counted between."""
 
 
-@dataclass(frozen=True)
-class Shaped:
+class Shaped(NamedTuple):
     """One mode: its `frequency` [Hz], the `partner` it looks like among the anchor's modes (from
     1) and their `assurance`.
     """
@@ -39,16 +38,14 @@ class Shaped:
     assurance: float
 
 
-@dataclass(frozen=True)
-class Count:
+class Count(NamedTuple):
     """How many modes, a `number`, lie below `cut` [Hz]."""
 
     cut: float
     number: int
 
 
-@dataclass(frozen=True)
-class Order:
+class Order(NamedTuple):
     """An observed order `p`, the `formal` one, and the `elements` a limb of the meshes."""
 
     p: float
@@ -60,8 +57,7 @@ class Order:
         return [label(Named(name, n)) for n in self.elements]
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(NamedTuple):
     """What a model assumes, and the program behind it."""
 
     theory: str

@@ -6,6 +6,7 @@ Accepting takes new values but never a wider tolerance, unless a reason is given
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +29,7 @@ BAND = 1e-3
 """Least tolerance of a stated uncertainty, relative."""
 
 
-@dataclass(frozen=True)
-class Reason:
+class Reason(NamedTuple):
     """Why something was accepted that lowers the bar: kept for good."""
 
     time: str
@@ -43,8 +43,7 @@ class Reason:
     reason: str
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(NamedTuple):
     """The measured `noise` of a frequency and the `tolerance` of its changes, relative."""
 
     noise: float

@@ -300,10 +300,10 @@ def test_what_the_baseline_says_is_what_is_compared(once: Accepted) -> None:
     was, source = figures.modes[key], figures.sources[label]
     counted = figures.counts[place]
     changes: dict[str, tuple[str, Any]] = {
-        "frequency": ("modes", {key: replace(was, frequency=was.frequency * (1 + 1e-9))}),
-        "shape": ("modes", {key: replace(was, partner=was.partner + 2)}),
-        "mode count": ("counts", {place: replace(counted, number=counted.number - 1)}),
-        "order": ("orders", {order: replace(figures.orders[order], p=1.0)}),
+        "frequency": ("modes", {key: was._replace(frequency=was.frequency * (1 + 1e-9))}),
+        "shape": ("modes", {key: was._replace(partner=was.partner + 2)}),
+        "mode count": ("counts", {place: counted._replace(number=counted.number - 1)}),
+        "order": ("orders", {order: figures.orders[order]._replace(p=1.0)}),
         "uncertainty": ("uncertainties", {band: 1e-6 * figures.uncertainties[band]}),
         "missing": ("modes", {("case1", "gone@4", 1): was}),
         "source": ("sources", {label: Source("another", source.version)}),
