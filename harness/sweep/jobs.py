@@ -1,9 +1,9 @@
 """A job: one model at one block of poses; its content hash, and the work itself."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -122,66 +122,45 @@ def jobs(
 
 def unusable(model: Model) -> str:
     """Return why a model cannot run here at all, "" if it can."""
-    try:
-        return _asked(_unbuilt, model)
-    except UnavailableError as error:
-        return str(error)
+    return _here(model)[0]
 
 
-def _asked(what: Callable[[Any], str], model: Model) -> str:
-    return str(asked(what, model)) if isinstance(model, Named) else what(model)
-
-
-def _unbuilt(model: Model) -> str:
-    try:
-        _built(model)
-    except (UnavailableError, InputError) as error:
-        return str(error)
-    return ""
-
-
-def _built(model: Model) -> object:
-    return model.build() if hasattr(model, "build") else model
-
-
-_programs: dict[Model, str] = {}
-_told: dict[tuple[Model, Mechanism, int], Modes] = {}
-
-
-def program_of(model: Model) -> str:
+@cache
+def program_of(model: Any) -> str:
     """Return what computes a model here: its program's version, this bench's, and their sources."""
-    if model not in _programs:
-        info = model.info()
-        bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
-        try:
-            source = _asked(_source, model)
-        except UnavailableError:
-            source = "none"
-        _programs[model] = f"{info.program} {info.version} ({bench}, source {source})"
-    return _programs[model]
+    info, (_, source) = model.info(), _here(model)
+    bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
+    return f"{info.program} {info.version} ({bench}, source {source})"
 
 
-_said = lru_cache(maxsize=4)(repr)
-"""A mechanism in words, every number of it."""
-
-
-def _source(model: Model) -> str:
-    """Return a hash of the files behind a model: its own package, or file, `analytic`, and what
-    makes and checks an answer."""
+def _here(model: Model) -> tuple[str, str]:
+    """Return why a model cannot be built here, "" if it can, and a hash of the files behind it."""
     try:
-        built = _built(model)
-    except (UnavailableError, InputError):
-        return "none"
+        found: tuple[str, str] = asked(_built, model) if isinstance(model, Named) else _built(model)
+    except UnavailableError as error:
+        return str(error), "none"
+    return found
+
+
+def _built(model: Any) -> tuple[str, str]:
+    """Return the same where the model may be built. The files: of its own package, or its file, of
+    `analytic`, and what makes and checks an answer."""
+    try:
+        built = model.build() if hasattr(model, "build") else model
+    except (UnavailableError, InputError) as error:
+        return str(error), "none"
     parts = (built, *getattr(built, "__dict__", {}).values())  # an extrapolation holds two models
     names = {"analytic", *(type(part).__module__.partition(".")[0] for part in parts)}
-    content = sha256()
-    for own in (__file__, answers.__file__, declared.__file__):
-        content.update(Path(own).read_bytes())
+    files = [Path(own) for own in (__file__, answers.__file__, declared.__file__)]
     for name in sorted(names):
-        file = getattr(sys.modules.get(name), "__file__", None)
-        if file is not None and Path(file).is_file():
-            package = Path(file).name == "__init__.py"
-            files = sorted(Path(file).parent.rglob("*.py")) if package else [Path(file)]
-            for path in files:
-                content.update(path.read_bytes())
-    return content.hexdigest()[:12]
+        file = Path(getattr(sys.modules.get(name), "__file__", None) or "")
+        if file.is_file():
+            package = file.name == "__init__.py"
+            files += sorted(file.parent.rglob("*.py")) if package else [file]
+    content = sha256(b"".join(path.read_bytes() for path in files))
+    return "", content.hexdigest()[:12]
+
+
+_told: dict[tuple[Model, Mechanism, int], Modes] = {}
+_said = lru_cache(maxsize=4)(repr)
+"""A mechanism in words, every number of it."""

@@ -36,9 +36,7 @@ class Journal:
         self._folder = folder
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._base = sqlite3.connect(
-                folder / NAME, timeout=0, isolation_level=None, check_same_thread=False
-            )
+            self._base = sqlite3.connect(folder / NAME, timeout=0, isolation_level=None)
         except (OSError, sqlite3.Error) as error:
             raise self._cannot_write(error) from None
         try:

@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -58,7 +57,7 @@ class Timing:
 
 
 class Rows:
-    """The rows on their way to `file`; a thread adds them, block by block, while jobs are solved.
+    """The rows on their way to `file`, added block by block while further jobs are solved.
 
     As a context. Attributes, whole when `write` has returned: `timings` of each model; `made`: what
     code, machines and libraries made the answers, numbered; `runs` of a history that the answers
@@ -80,14 +79,12 @@ class Rows:
             (model, start): stop - start for model in sweep.models for start, stop in sweep.blocks()
         }
         self._blocks = deque(self._left)
-        self._writer = ThreadPoolExecutor(1)
-        self._added: list[Future[None]] = []
 
     def tell(self, job: Job) -> None:
         """Take in a finished job, with or without an answer."""
         self._left[job.model, job.start // BATCH * BATCH] -= len(job.poses)
         while self._blocks and not self._left[self._blocks[0]]:
-            self._added.append(self._writer.submit(self._add, *self._blocks.popleft()))
+            self._add(*self._blocks.popleft())
 
     def _add(self, model: Model, start: int) -> None:
         """Add one row a pose and mode of a block, whose jobs are all finished."""
@@ -139,8 +136,6 @@ class Rows:
 
     def write(self) -> None:
         """Write the file when all blocks are there."""
-        for added in self._added:
-            added.result()
         self._table.write("made")
 
     def keep(self, folder: Path, command: str) -> None:
@@ -211,5 +206,4 @@ class Rows:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._writer.shutdown(cancel_futures=True)
         self._table.__exit__(*error)
