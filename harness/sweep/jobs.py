@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -125,12 +125,13 @@ def unusable(model: Model) -> str:
     return _here(model)[0]
 
 
-@cache
-def program_of(model: Any) -> str:
+def program_of(model: Model) -> str:
     """Return what computes a model here: its program's version, this bench's, and their sources."""
-    info, (_, source) = model.info(), _here(model)
-    bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
-    return f"{info.program} {info.version} ({bench}, source {source})"
+    if model not in _programs:
+        info, (_, source) = model.info(), _here(model)
+        bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
+        _programs[model] = f"{info.program} {info.version} ({bench}, source {source})"
+    return _programs[model]
 
 
 def _here(model: Model) -> tuple[str, str]:
@@ -161,6 +162,7 @@ def _built(model: Any) -> tuple[str, str]:
     return "", content.hexdigest()[:12]
 
 
+_programs: dict[Model, str] = {}
 _told: dict[tuple[Model, Mechanism, int], Modes] = {}
 _said = lru_cache(maxsize=4)(repr)
 """A mechanism in words, every number of it."""
