@@ -6,6 +6,7 @@ properties on a plan of this one model. Beside them: how it describes itself, ho
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from harness.gate.finding import Finding
 from harness.gate.measured import measure
 from harness.gate.plan import MODES, Checked, Plan, solve, standard
 from harness.gate.properties import precision, properties
+from harness.plugins import Question
 from harness.poses import turned as turned_pose
 from harness.result import Result
 from harness.tables import Table
@@ -199,38 +201,29 @@ def _repeated(checked: Checked) -> Iterator[Answer]:
     yield Answer("no two modes are one", not alike, alike or "all shapes differ")
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """A call that cannot be answered, as a worker makes it."""
-
-    model: Named
-    mechanism: Any
-    pose: Any
-    count: Any
-
-    def solve(self) -> object:
-        """Return "" where it is refused in a sentence, or else what happened."""
-        try:
-            answer = self.model.build().modes(self.mechanism, self.pose, self.count)
-        except (InputError, ModelError) as error:
-            return "" if str(error).strip() else "the error says nothing"
-        except Exception as error:
-            return f"{type(error).__name__}: {error}"
-        return f"it answered with {type(answer).__name__}"
+def _refused(mechanism: Mechanism, pose: Pose, count: int, model: Named) -> str:
+    """Return "" where a call that cannot be answered is refused in a sentence, or what happened."""
+    try:
+        answer = model.build().modes(mechanism, pose, count)
+    except (InputError, ModelError) as error:
+        return "" if str(error).strip() else "the error says nothing"
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return f"it answered with {type(answer).__name__}"
 
 
 def _refusals(model: Named, bench: Bench) -> Iterator[Answer]:
     """What cannot be answered is refused by an `InputError`, not by chance."""
-    mechanism, pose = TILTED.mechanism, TILTED.pose
-    asked: tuple[tuple[str, Named, Mechanism, Pose, int], ...] = (
-        ("no modes (count=0)", model, mechanism, pose, 0),
-        ("more modes than it has", model, mechanism, pose, MANY),
-        ("no elements (elements=0)", replace(model, elements=0), mechanism, pose, MODES),
-        ("several poses at once", model, mechanism, Pose(np.array([0.48, 0.49])), MODES),
-    )
-    for what, *call in asked:
-        one = Refusal(*call)  # type: ignore[arg-type]
-        said = bench.call(one, isolated=True)
+    several = Pose(np.array([0.48, 0.49]))
+    for what, one, at, count in (
+        ("no modes (count=0)", model, TILTED.pose, 0),
+        ("more modes than it has", model, TILTED.pose, MANY),
+        ("no elements (elements=0)", replace(model, elements=0), TILTED.pose, MODES),
+        ("several poses at once", model, several, MODES),
+    ):
+        said = bench.call(
+            Question(one, partial(_refused, TILTED.mechanism, at, count)), isolated=True
+        )
         why = said.reason if isinstance(said, Failure) else str(said)
         yield Answer(
             f"refused in a sentence: {what}", not why,

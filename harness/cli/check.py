@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from harness.gate.plan import Checked, Plan
     from harness.gate.ratchet import Baseline
     from harness.gate.report import Report
-    from harness.gate.timing_watch import Timing
 
 FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
 """What --output writes, by the option that writes it elsewhere."""
@@ -191,14 +190,11 @@ def _look(
         **provenance(),
     }
     checked = solve(plan, bench)
-    timed: list[Timing] = []
-    notes: list[str] = []
     if history is not None:
         from harness.history.store import append
 
         append(history, checked.rows, flags.as_typed())
-        timed, notes = gate.watched(history, checked, known, str(said["machine"]))
-    report = gate.look(checked, bench, known, timed, said, notes)
+    report = gate.look(checked, bench, known, said, history)
     seconds = round(perf_counter() - began, 1)
     return replace(report, about={**report.about, "seconds": seconds}), checked
 

@@ -1,6 +1,6 @@
 """The gate: one check from a plan to a report, and what of it may be accepted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -29,22 +29,24 @@ def look(
     checked: Checked,
     bench: Bench,
     known: Baseline | None,
-    timings: Sequence[Timing] = (),
     about: Mapping[str, Any] | None = None,
-    notes: Sequence[str] = (),
+    history: Path | None = None,
 ) -> Report:
-    """Return what moved since the baseline `known`, and what does not hold."""
-    now = measure(checked, bench)
+    """Return what moved since the baseline `known`, and what does not hold.
+
+    `about`: provenance; `history`: with what was solved now, to compare its seconds with.
+    """
+    now, about = measure(checked, bench), about or {}
+    timings, notes = _watched(history, checked, known, about["machine"]) if history else ([], [])
     seen = [*failures(checked), *properties(checked, bench), *slower(timings)]
     if known is None:
-        notes = ("compared with no baseline", *notes)
+        notes = ["compared with no baseline", *notes]
     else:
         seen += compare(known, now, checked)
-    said = (*checked.plan.notes, *notes)
-    return Report(tuple(seen), tuple(timings), now, known, about or {}, said)
+    return Report(tuple(seen), tuple(timings), now, known, about, (*checked.plan.notes, *notes))
 
 
-def watched(
+def _watched(
     history: Path, checked: Checked, known: Baseline | None, machine: str
 ) -> tuple[list[Timing], list[str]]:
     """Return the timings of what was solved now, from a history that holds it; and notes."""

@@ -13,6 +13,7 @@ from analytic.model import Model
 from harness.bench import label
 from harness.history.duck import constant, named, one_of, quoted
 from harness.history.provenance import provenance
+from harness.history.run_file import COLUMNS as HISTORY
 from harness.history.store import append_table, has, name_of
 from harness.poses import COLUMNS, cells, columns, headings, used
 from harness.rows import SWEEP, mechanism_hash, settings
@@ -24,18 +25,12 @@ from harness.tables import Cell, Number, Table
 
 ROWS = {
     "pose": "BIGINT",
-    **dict.fromkeys(COLUMNS, "DOUBLE"),
-    "mechanism": "VARCHAR",
-    "model": "VARCHAR",
-    "theory": "VARCHAR",
-    "version": "VARCHAR",
-    "mode": "BIGINT",
-    "frequency_hz": "DOUBLE",
-    "uncertainty_hz": "DOUBLE",
-    "closure_m": "DOUBLE",
-    "dofs": "BIGINT",
+    **{name: HISTORY[name] for name in (
+        *COLUMNS, "mechanism", "model", "theory", "version", "mode", "frequency_hz",
+        "uncertainty_hz", "closure_m", "dofs",
+    )},
     "made": "BIGINT",
-}
+}  # fmt: skip
 """Columns and their types; the last one, which of `Rows.made` it was, is not for the file."""
 
 FEW = 3
