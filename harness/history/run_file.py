@@ -2,7 +2,6 @@
 
 import os
 import re
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from glob import escape
 from hashlib import file_digest
@@ -73,23 +72,10 @@ class RunFile:
         return None if same else f"{self.path.name} was changed"
 
 
-Types = Mapping[str, str]
-"""The columns of a file, by name."""
+def read(base: "DuckDBPyConnection", path: Path) -> RunFile | str:
+    """Return a file that is whole and of this bench, or what is wrong with it."""
+    import duckdb
 
-
-def read_all(base: "DuckDBPyConnection", paths: Sequence[Path]) -> dict[Path, RunFile | str]:
-    """Return of each file that it is whole and of this bench, or what is wrong with it."""
-    whole = {path: _whole(path) for path in paths}
-    sound = [path for path, found in whole.items() if not isinstance(found, str)]
-    types = _types(base, sound)
-    return {
-        path: found if isinstance(found, str) else _ours(path, found, types[path])
-        for path, found in whole.items()
-    }
-
-
-def _whole(path: Path) -> os.stat_result | str:
-    """Return what the system says of a file that is as it was written, or what is wrong."""
     matched = NAME.fullmatch(path.name)
     if matched is None:
         return "not written by rps-bench: its name is not RUN.CHECKSUM.parquet"
@@ -101,32 +87,11 @@ def _whole(path: Path) -> os.stat_result | str:
             return f"damaged: {found.st_size} bytes that are not those that were written"
     except OSError as error:
         return f"cannot be read ({error.strerror})"
-    return found
-
-
-def _types(base: "DuckDBPyConnection", paths: Sequence[Path]) -> dict[Path, Types | str]:
-    """Return the columns of each file, or why they cannot be read: asked for all at once."""
-    import duckdb
-
-    asked = (
-        "SELECT file_name, list(name), list(duckdb_type) FROM parquet_schema(?) "
-        "WHERE duckdb_type IS NOT NULL GROUP BY file_name"
-    )
+    asked = "SELECT name, duckdb_type FROM parquet_schema(?) WHERE duckdb_type IS NOT NULL"
     try:
-        rows = base.execute(asked, [[escape(str(path)) for path in paths]]).fetchall()
+        types = dict(base.execute(asked, [escape(str(path))]).fetchall())
     except duckdb.Error as error:
-        if len(paths) > 1:  # one of them is no Parquet file
-            half = len(paths) // 2
-            return _types(base, paths[:half]) | _types(base, paths[half:])
-        why = f"not written by rps-bench: it is no Parquet file ({reason(error)})"
-        return dict.fromkeys(paths, why)
-    told = {file: dict(zip(names, kinds, strict=True)) for file, names, kinds in rows}
-    return {path: told.get(str(path), {}) for path in paths}
-
-
-def _ours(path: Path, found: os.stat_result, types: Types | str) -> RunFile | str:
-    if isinstance(types, str):
-        return types
+        return f"not written by rps-bench: it is no Parquet file ({reason(error)})"
     for name in NEEDED:
         if name not in types:
             return f"of another release: it has no column {name}"

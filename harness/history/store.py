@@ -20,7 +20,7 @@ from analytic import InputError
 from harness.history.duck import Params, connect, constant, named, quoted, reason, sink
 from harness.history.provenance import provenance
 from harness.history.run_file import COLUMNS as COLUMNS
-from harness.history.run_file import RunFile, checksum, read_all
+from harness.history.run_file import RunFile, checksum, read
 from harness.output import staged
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ class History:
             raise InputError("history", str(folder), "a folder")
         self._folder = folder
         with connect() as base:
-            found = read_all(base, sorted(folder.glob("*.parquet")))
+            found = {path: read(base, path) for path in sorted(folder.glob("*.parquet"))}
         self._files = [file for file in found.values() if isinstance(file, RunFile)]
         self.skipped = [(path, why) for path, why in found.items() if isinstance(why, str)]
         self._base: DuckDBPyConnection | None = None
