@@ -82,7 +82,7 @@ def test_the_first_screen_answers(kept: Any) -> None:
         "Case 1: level platform",
         "Case 2: tilted platform",
     ]
-    level, tilted = (b64decode(panel["svg"]) for panel in panels)
+    level, tilted = (b64decode(panel["picture"].partition(",")[2]) for panel in panels)
     assert level.count(b"</svg>") == tilted.count(b"</svg>") == 1 and level != tilted
 
 
