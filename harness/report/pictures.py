@@ -42,6 +42,7 @@ def fig3(found: Convergence) -> Json:
         with own_style():
             figure = convergence_figure(replace(found, study=replace(found.study, cases=(case,))))
             figure.suptitle("")  # the caption says it
+            figure.axes[0].set_title(case.heading)
         pictures.append({"title": case.heading, "picture": _embedded(figure, "svg+xml")})
     title = f"{found.theory.name} with s elements a limb against {found.reference.label}"
     return {"panels": pictures, "title": title, "limit": limit and limit.label}
