@@ -11,6 +11,9 @@ from analytic.mechanism import Mechanism
 from analytic.pose import Pose
 from analytic.workspace import Floats, Limits, inscribed
 
+ROUNDING = 1e-12
+"""Circles that differ by no more than this are equal [rad]."""
+
 
 @dataclass(frozen=True)
 class RegularWorkspace:
@@ -42,13 +45,16 @@ class RegularWorkspace:
     def cone(self) -> "RegularWorkspace":
         """Return the largest truncated cone, by volume, whose end circles are two layers' circles.
 
-        No layer between its ends is narrower than the cone.
+        No layer between its ends is narrower than the cone, but for `ROUNDING`.
         """
         best, chosen = -1.0, (0, 1)
         for i in range(len(self.z) - 1):
             # The steepest ascent that still clears every layer so far.
-            slopes = (self.radii[i + 1 :] - self.radii[i]) / (self.z[i + 1 :] - self.z[i])
-            clear = np.flatnonzero(slopes <= np.minimum.accumulate(slopes)) + i + 1
+            rise = self.z[i + 1 :] - self.z[i]
+            slopes = (self.radii[i + 1 :] - self.radii[i]) / rise
+            clear = (
+                np.flatnonzero(slopes <= np.minimum.accumulate(slopes + ROUNDING / rise)) + i + 1
+            )
             ends = np.stack([np.full(len(clear), i), clear], axis=1)
             volumes = _frusta(self.z[ends], self.radii[ends])[:, 0]
             if volumes.max() > best:

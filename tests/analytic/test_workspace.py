@@ -203,16 +203,23 @@ def test_layers_are_sorted_circles() -> None:
 def test_the_cone_is_the_largest_chord(radii: list[float]) -> None:
     """Against every pair of layers, each checked against every layer between."""
     body = RegularWorkspace(np.linspace(0.2, 1.0, len(radii)), np.array(radii))
-    best = 0.0
+    best = {0.0: 0.0, 2e-12: 0.0}  # what rounding leaves open is either
     for i in range(len(radii)):
         for j in range(i + 1, len(radii)):
             chord = np.interp(body.z[i : j + 1], body.z[[i, j]], body.radii[[i, j]])
-            if (chord <= body.radii[i : j + 1] + 1e-12).all():
-                ends = RegularWorkspace(body.z[[i, j]], body.radii[[i, j]])
-                best = max(best, ends.volume)
+            volume = RegularWorkspace(body.z[[i, j]], body.radii[[i, j]]).volume
+            for room in best:
+                if (chord <= body.radii[i : j + 1] + room).all():
+                    best[room] = max(best[room], volume)
     cone = body.cone()
-    assert cone.volume == pytest.approx(best, rel=1e-9)
-    assert (cone.radius(body.z) <= body.radii + 1e-12).all()
+    assert best[0.0] * (1 - 1e-9) <= cone.volume <= best[2e-12] * (1 + 1e-9)
+    assert (cone.radius(body.z) <= body.radii + 2e-12).all()
+
+
+def test_rounding_cuts_no_cylinder_in_two() -> None:
+    radii = np.array([1.0, 1.0 - 2e-16, 1.0])
+    body = RegularWorkspace(np.array([0.2, 0.6, 1.0]), radii)
+    assert body.cone().volume == pytest.approx(body.volume)
 
 
 def test_volume_and_random_poses() -> None:
