@@ -85,7 +85,10 @@ def models(text: str, argument: str, **settings: Any) -> list[Named]:
     if text in GROUPS:
         found = [name for name, info in _group(text) if not info.missing]
         if not found:
-            raise UnavailableError("no simulator can run here; `rps-bench models` says why")
+            raise UnavailableError(
+                "no simulator can run here, `rps-bench models` says why; "
+                f"{argument} = 'timoshenko@exact' needs none"
+            )
         some = [parse(name, argument, **settings) for name in in_usual_order(found)]
         return [quick(one) for one in some] if text == "usual" else some
     return [parse(name, argument, **settings) for name in split(argument, text)]

@@ -2,16 +2,18 @@
 
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from harness import text
 from harness.bench import Bench
 from harness.presets import QUICKEST, TABLE_ONE
 from harness.studies import table
 from harness.text import plan, request
-from reference_models import Named
+from reference_models import Named, UnavailableError, catalogue
 
 KINDS = ("exudyn-beam", "exudyn-cable", "exudyn-ffrf", "mujoco-composite", "mujoco-cable",
          "calculix-solid", "ngsolve-solid")  # fmt: skip
@@ -59,3 +61,15 @@ def test_a_plain_table_has_a_row_of_each(rps_bench: Callable[..., Any], tmp_path
     for name in KINDS:
         assert (f"FEA ({name}@" in rows) == (name not in missing)
         assert f"\n{name}" in seen
+
+
+@pytest.mark.parametrize("group", ["usual", "quick", "all"])
+def test_where_none_can_run_it_says_what_needs_none(
+    monkeypatch: pytest.MonkeyPatch, group: str
+) -> None:
+    missing = [(name, replace(info, missing="gone")) for name, info in catalogue()]
+    monkeypatch.setattr(text, "catalogue", lambda: missing)
+    with pytest.raises(UnavailableError, match=r"references = '(.*)' needs none") as said:
+        text.models(group, "references")
+    (model,) = text.models(str(said.value).split("'")[1], "references")
+    assert not model.info().isolated
