@@ -35,12 +35,13 @@ def cost_figure(cost: "Cost") -> Figure:
         for t in cost.batches
     ]
     draw_rest(left, single)
-    draw_front(left, unbeaten(single, lambda p: (p.y, -p.x)), COLOURS[0])
+    draw_front(left, unbeaten(single, lambda p: (p.y, -p.x)), COLOURS[0], rises=True)
     draw_rest(right, batched)
     draw_front(right, unbeaten(batched, lambda p: (p.x, p.y)), COLOURS[3])
     for axes, what in ((left, "one"), (right, "a")):
         axes.set(xscale="log", yscale="log", ylabel=f"time of {what} pose / yardstick")
         axes.title.set_fontsize(9)
+        axes.margins(x=0.2)
         axes.grid(alpha=0.25)
     left.set_xticks([*cost.steps, exact], [*map(str, cost.steps), "exact"])
     left.set_xticks([], minor=True)

@@ -8,7 +8,7 @@ from harness.bench import label
 from harness.compare import percent
 from harness.figures import COLOURS, panels
 from harness.signatures import Axes, Figure
-from harness.unbeaten import Point, draw_front, draw_rest
+from harness.unbeaten import Point, draw_front, draw_rest, unbeaten
 
 if TYPE_CHECKING:
     from harness.studies import precision
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 LEAST = 1e-9
 """Errors are drawn no smaller than this [%]: below it is rounding."""
+ROOM = 0.5
+"""Room for names on either side of what is drawn, in its own width."""
 
 
 def precision_figure(result: "WorkPrecision") -> Figure:
@@ -46,9 +48,11 @@ def _panel(axes: Axes, result: "WorkPrecision", kind: str, modes: int) -> None:
 
     draw_rest(axes, [placed(p) for p in result.points if np.isfinite(p.worst(kind, modes))])
     for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
-        front = [placed(p) for p in result.front(kind, modes, many)]
-        draw_front(axes, front, colour, drawstyle="steps-post")
+        drawn = [placed(p) for p in result.front(kind, modes, many)]
+        front = unbeaten(drawn, lambda p: (p.x, p.y))
+        draw_front(axes, front, colour, right=not many, thin=True)
     axes.set(xscale="log", yscale="log")
+    axes.margins(x=ROOM, y=0.1)
     axes.grid(alpha=0.25)
     if unsure := result.known_to(kind, modes):
         axes.axhspan(LEAST / 2, unsure, color="0.92", zorder=0)
