@@ -41,7 +41,7 @@ def cost_figure(cost: "Cost") -> Figure:
     for axes, what in ((left, "one"), (right, "a")):
         axes.set(xscale="log", yscale="log", ylabel=f"time of {what} pose / yardstick")
         axes.title.set_fontsize(9)
-        axes.margins(x=0.2)
+        axes.margins(x=0.2, y=0.12)
         axes.grid(alpha=0.25)
     left.set_xticks([*cost.steps, exact], [*map(str, cost.steps), "exact"])
     left.set_xticks([], minor=True)

@@ -16,6 +16,7 @@ from harness.cases import PRESETS
 from harness.studies.cost import FLOOR, YARDSTICK, Cost, measure
 from harness.studies.cost.growth import exponent, grown
 from harness.studies.cost.ratios import plain_pair
+from harness.studies.cost.simulators import simulators_table
 from harness.studies.cost.work import counted
 from harness.tables import Table
 from harness.timing import Timed, Way, time_ways
@@ -151,6 +152,21 @@ def test_simulators_say_where_their_time_goes(cost: Cost) -> None:
         assert t.phases["simulator"] > 0 and t.phases["projection"] > 0
     for t in cost.elements:
         assert t in simulated or sum(v for k, v in t.phases.items() if k) == 0
+
+
+def test_no_part_of_a_simulators_time_is_a_difference_of_medians(cost: Cost) -> None:
+    one = next(t for t in cost.elements if t.way.method == "exudyn-cable")
+    # Two phases are slow in turns: their medians are more than the median of the whole.
+    rounds = tuple(
+        replace(one.first, seconds=total, phases=dict.fromkeys(one.first.phases, 0.0) | parts)
+        for total, parts in (
+            (10.5, {"simulator": 9.0, "eigen-solution": 1.0, "": 0.5}),
+            (10.5, {"simulator": 1.0, "eigen-solution": 9.0, "": 0.5}),
+            (18.5, {"simulator": 9.0, "eigen-solution": 9.0, "": 0.5}),
+        )
+    )
+    frame = simulators_table([replace(one, rounds=rounds)]).to_frame()
+    assert frame["rest [ms]"].tolist() == [500.0]
 
 
 def test_every_core_has_its_poses(cost: Cost) -> None:
