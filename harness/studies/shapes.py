@@ -186,9 +186,12 @@ def shapes_figure(result: Shapes, case: Case) -> Figure:
 
 
 def rest_figure(case: Case) -> Figure:
-    """Return the mechanism of a case at rest."""
+    """Return the mechanism of a case at rest, with its joints."""
     figure, ((axes,),) = panels("", 1, 1, (3.6, 3.2), subplot_kw=SPACE)
-    draw(axes, drawn(case.mechanism, case.pose), np.zeros(6), 0.0)
+    there = drawn(case.mechanism, case.pose)
+    draw(axes, there, np.zeros(6), 0.0)
+    if there.plain:
+        draw_marks(axes, there, 0.0, np.zeros(6))
     return figure
 
 
