@@ -12,7 +12,7 @@ from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
 from harness.studies import STUDIES, Entry
-from harness.text import request
+from harness.text import options
 from reference_models import ModelError, UnavailableError
 
 TOP = "# {title}\n\nFrom `rps-bench reproduce`, about the cases {cases}. {more}\n"
@@ -71,7 +71,7 @@ def jobs(entry: Entry, module: ModuleType, plan: Plan) -> dict[str, Request]:
         return {}
     else:
         found = module.jobs(plan)
-    usual = request(module, {}).options
+    usual = options(module, {})
     return {stem: one.with_(options={**usual, **one.options}) for stem, one in found.items()}
 
 

@@ -52,20 +52,24 @@ def request(study: ModuleType | None, texts: Mapping[str, str | None]) -> Reques
     paper = ",".join(map(str, printed))
     modes = given.get("modes") or own.get("modes") or paper or default["modes"]
     named = given.get("references", default["references"])
-    options = {
-        option.name: None if text is None else option.parse(text)
-        for option in getattr(study, "OPTIONS", ())
-        for text in [given.get(option.name, option.default)]
-    }
     return Request(
         tuple(cases),
         theory,
         tuple(models(named, "references", **shear)),
         tuple(numbers("elements", elements, MOST_ELEMENTS)) if elements else None,
         tuple(numbers("modes", modes, MOST_MODES)),
-        options,
+        options(study, given),
         absent(named),
     )
+
+
+def options(study: ModuleType | None, given: Mapping[str, str]) -> dict[str, Any]:
+    """Return a study's own options, by name: what is `given`, or by default."""
+    return {
+        option.name: None if text is None else option.parse(text)
+        for option in getattr(study, "OPTIONS", ())
+        for text in [given.get(option.name, option.default)]
+    }
 
 
 def chosen(names: str | None, file: str | None, default: str) -> list[Case]:

@@ -11,6 +11,7 @@ import pytest
 from harness import text
 from harness.bench import Bench
 from harness.presets import QUICKEST, TABLE_ONE
+from harness.reproduce import chosen, jobs, reproduce
 from harness.studies import table
 from harness.text import plan, request
 from reference_models import Named, UnavailableError, catalogue
@@ -63,13 +64,25 @@ def test_a_plain_table_has_a_row_of_each(rps_bench: Callable[..., Any], tmp_path
         assert f"\n{name}" in seen
 
 
-@pytest.mark.parametrize("group", ["usual", "quick", "all"])
-def test_where_none_can_run_it_says_what_needs_none(
-    monkeypatch: pytest.MonkeyPatch, group: str
-) -> None:
+@pytest.fixture
+def no_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
     missing = [(name, replace(info, missing="gone")) for name, info in catalogue()]
     monkeypatch.setattr(text, "catalogue", lambda: missing)
+
+
+@pytest.mark.parametrize("group", ["usual", "quick", "all"])
+def test_where_none_can_run_it_says_what_needs_none(no_simulator: None, group: str) -> None:
     with pytest.raises(UnavailableError, match=r"references = '(.*)' needs none") as said:
         text.models(group, "references")
     (model,) = text.models(str(said.value).split("'")[1], "references")
     assert not model.info().isolated
+
+
+def test_the_main_job_needs_none_if_none_is_asked(no_simulator: None) -> None:
+    asked = plan({"references": "timoshenko@exact", "cases": "case1"})
+    with Bench() as bench:
+        (part,) = reproduce(chosen(["table"]), asked, bench)
+    assert not part.why and [model.label for model in asked.references] == ["timoshenko@exact"]
+    assert part.results["table1"].tables()[""].rows
+    for entry in chosen(None):
+        jobs(entry, entry.load(), asked)  # what it makes of the plan names no simulator either
