@@ -318,7 +318,7 @@ def _near(modes: Modes, exact: Modes) -> None:
     first = int((exact.frequencies == 0).sum())
     own, beams = modes.frequencies[first:], exact.frequencies[first:]
     if len(own) and not 1 / STIFF <= own[0] / beams[0] <= SOFT:
+        unit = ": is it in hertz?" if own[0] else ""
         raise ModelError(
-            f"its f{first + 1} is {own[0]:.4g} Hz, where exact beams have {beams[0]:.4g} Hz: is it "
-            "in hertz?"
+            f"its f{first + 1} is {own[0]:.4g} Hz, where exact beams have {beams[0]:.4g} Hz{unit}"
         )

@@ -18,7 +18,7 @@ NASTY = {
     "complex": "type complex128",
     "infinite": "its frequencies hold inf",
     "negative": "below zero",
-    "negative-zero": "its f1 is 0 Hz, where exact beams have 124.7 Hz",
+    "negative-zero": "its f1 is 0 Hz, where exact beams have 124.7 Hz(?!:)",
     "subnormal": "is it in hertz",
     "single": "type float32, not float64",
     "single-shapes": "its limbs have type float32",
