@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic import certified, single
-from analytic.correction import BESIDE, CLOSE, GRADED, MOST_STEPS, SAFETY, Problem, corrected
+from analytic.correction import BESIDE, CLOSE, FAINT, GRADED, MOST_STEPS, SAFETY, Problem, corrected
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
@@ -301,7 +301,7 @@ def solve(
         settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
         poles = problem.poles, problem.residues, problem.owner
         smooth = problem.powers, problem.stiffness, problem.caps
-        stops = problem.converged, SAFETY, MOST_STEPS, BESIDE
+        stops = problem.converged, SAFETY, MOST_STEPS, BESIDE, FAINT
         loop(problem.vectors, *poles, *smooth, *stops, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit

@@ -22,6 +22,9 @@ SAFETY = 4.0
 """How many times as large as its first term an error is taken to be."""
 MOST_STEPS = 5
 """Newton's steps after which a pose is left to the roots by rank."""
+FAINT = 1e-13
+"""A coupling R_jk below this part of lambda is none: it moves no root by more (Weyl). Modes that
+repeat for symmetry are coupled by rounding alone, a few 1e-15, over a gap that is rounding too."""
 
 CLOSE = 1e-3
 """The last mode wanted stays this far, relative, below where the tables end."""
@@ -43,7 +46,6 @@ def corrected(
 
     `start` (N, m) and `motion` (N, r, m) are of the pencil with the `chord`. One step is enough
     for most poses, and is estimated to be; the others take more, unless all is to be `quick`.
-    Repeated modes may divide zero by zero; they do not settle.
     """
     found, settled = _steps(problem, chord, start, motion, count, 1)
     if not quick and not settled.all():
@@ -87,7 +89,9 @@ def _steps(
         bent -= gap
         bent += (value - lowest)[..., None]
         bent[:, own, own] = 1.0
+        faint = np.abs(pushed) < FAINT * value[..., None]
         y = np.divide(pushed, bent, out=pushed)
+        np.copyto(y, 0.0, where=faint)
         y[:, own, own] = 1.0
         x = (y @ transposed).swapaxes(0, 1)
         square = y * y

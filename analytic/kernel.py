@@ -48,6 +48,7 @@ def solve_poses(
     safety: float,
     most: int,
     past: float,
+    faint: float,
     start: Floats,
     found: Floats,
     settled: NDArray[np.bool_],
@@ -55,7 +56,8 @@ def solve_poses(
 ) -> None:
     """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`.
 
-    `tolerance`, `safety` and `most` are of `correction`; modes are counted `past` the last root.
+    `tolerance`, `safety`, `most` and `faint` are of `correction`; modes are counted `past` the last
+    root.
     """
     terms, K, columns = powers.shape
     N = len(a)
@@ -275,9 +277,10 @@ def solve_poses(
                 for k in range(K):
                     for j in range(m):
                         y[j] += t[k] * V[k, j]
-                norm, quotient, mixed = 0.0, 0.0, 0.0
+                norm, quotient, mixed, least = 0.0, 0.0, 0.0, faint * value
                 for j in range(m):
-                    y[j] = 1.0 if j == i else y[j] / (beta[j] - d[j] + value)
+                    y[j] = y[j] / (beta[j] - d[j] + value) if abs(y[j]) >= least else 0.0
+                    y[j] = 1.0 if j == i else y[j]
                     norm += y[j] * y[j]
                     quotient += y[j] * y[j] * (d[j] - d[i])
                     mixed += y[j] * y[j] * abs(d[j] - d[i])

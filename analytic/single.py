@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic.correction import BESIDE, CLOSE, GRADED, SAFETY
+from analytic.correction import BESIDE, CLOSE, FAINT, GRADED, SAFETY
 from analytic.kinematics import Limbs
 from analytic.limb_modes import DEGREE, limb_modes
 from analytic.reduced import CUBIC, NODES, Constants, Floats, Reduced
@@ -151,7 +151,9 @@ def _corrected(problem: Single, count: int) -> tuple[list[float], float] | None:
     value = row[:, 0]
     # y_j (value - start_j - R_jj) = (R y)_j, where y of the mode itself is 1.
     rho = problem.smooth(value) - row[:, 1:3] @ cubic[:2]
-    y = (rho * V.T[:count]) @ V / (row[:, 3:] @ own + (value[:, None] - start))
+    pushed = (rho * V.T[:count]) @ V
+    y = pushed / (row[:, 3:] @ own + (value[:, None] - start))
+    y[np.abs(pushed) < FAINT * value[:, None]] = 0.0
     y.ravel()[:: len(start) + 1] = 1.0
     rho *= (y @ V.T) ** 2
     y *= y

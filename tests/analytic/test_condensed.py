@@ -107,6 +107,15 @@ def test_all_but_symmetric_poses(robot):
         np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
+def test_level_poses_are_the_same_alone_and_in_company(robot):
+    """Modes that repeat are coupled by rounding alone, which must not say how many steps follow."""
+    random = np.random.default_rng(1)
+    poses = Pose(random.uniform(0.35, 0.7, 300), random.uniform(-3, 3, 300), 0.0)
+    found = condensed_frequencies(robot, poses, 1, beam="timoshenko")
+    single = [condensed_frequencies(robot, pose, 1, beam="timoshenko") for pose in poses]
+    np.testing.assert_allclose(single, found, rtol=1e-12)
+
+
 def test_modes_that_mix_settle_only_when_they_are_right(robot):
     """Nine modes, some all but repeated: of later steps too the mixing bounds what is left.
 
