@@ -16,7 +16,7 @@ from analytic.correction import BESIDE, CLOSE, FAINT, GRADED, MOST_STEPS, SAFETY
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
-from analytic.kernel import compiled
+from analytic.kernel import USUAL, compiled
 from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
@@ -302,7 +302,9 @@ def solve(
         poles = problem.poles, problem.residues, problem.owner
         smooth = problem.powers, problem.stiffness, problem.caps
         stops = problem.converged, SAFETY, MOST_STEPS, BESIDE, FAINT
-        loop(problem.vectors, *poles, *smooth, *stops, start, found, settled, below)
+        sizes = len(problem.powers), problem.vectors.shape[1], problem.poles.shape[1], count
+        usual = True if sizes == USUAL else None
+        loop(problem.vectors, *poles, *smooth, *stops, usual, start, found, settled, below)
     found = np.where(settled[:, None], found, start[:, :count])
     inside = found[:, -1] * (1 + CLOSE) < problem.limit
     inside &= told

@@ -14,10 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analytic.limb_modes import DEGREE
 from analytic.reduced import NODES
 
 Floats = NDArray[np.float64]
 NEAR, BESIDE, _, BEYOND = NODES
+USUAL = DEGREE + 1, 9, 6, 6
+"""Powers, directions, poles and modes wanted of most calls, for which all loops are unrolled."""
 
 
 @lru_cache(maxsize=1)
@@ -49,6 +52,7 @@ def solve_poses(
     most: int,
     past: float,
     faint: float,
+    usual: bool | None,
     start: Floats,
     found: Floats,
     settled: NDArray[np.bool_],
@@ -59,11 +63,12 @@ def solve_poses(
     `tolerance`, `safety`, `most` and `faint` are of `correction`; modes are counted `past` the last
     root.
     """
-    terms, K, columns = powers.shape
-    N = len(a)
-    m = start.shape[1]
-    p = m - 6
-    count = found.shape[1]
+    N, columns = len(a), powers.shape[2]
+    if usual is None:
+        terms, K, p, count = len(powers), a.shape[1], poles.shape[1], found.shape[1]
+    else:
+        terms, K, p, count = USUAL
+    m = 6 + p
     C = np.empty((6, 6))
     at = np.empty((K, 6))
     A = np.empty((m, m))
