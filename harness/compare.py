@@ -154,14 +154,14 @@ def pairing_notes(
 
 
 def failure_notes(*studies: Study, of: Collection[Model] | None = None) -> list[str]:
-    """Return a sentence for every model (`of` these, by default any) that failed at a case."""
-    return list(dict.fromkeys(
-        f"{label(model)} "
-        f"{'cannot take' if (case, model) in study.refused else 'failed at'} {case.name}: {why}"
-        for study in studies
-        for (case, model), why in study.failures.items()
-        if of is None or model in of
-    ))  # fmt: skip
+    """Return what failed (`of` these models, by default any), a sentence a case and reason."""
+    found: dict[tuple[str, str, str], dict[str, None]] = {}
+    for study in studies:
+        for (case, model), why in study.failures.items():
+            if of is None or model in of:
+                what = "cannot take" if (case, model) in study.refused else "failed at"
+                found.setdefault((what, case.name, why), {})[label(model)] = None
+    return [f"{', '.join(who)} {what} {case}: {why}" for (what, case, why), who in found.items()]
 
 
 def kind(model: Model) -> str:

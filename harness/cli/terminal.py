@@ -109,8 +109,10 @@ class Written:
             click.echo(f"wrote {plain(str(path))}")
         for what, why in self.failures.items():
             click.echo(f"rps-bench: {plain(f'{what} failed: {why}')}", err=True)
-        for what, why in self.refusals.items():
-            click.echo(f"rps-bench: {plain(f'{what} is left out: {why}')}", err=True)
+        for why in dict.fromkeys(self.refusals.values()):
+            who = [what for what, reason in self.refusals.items() if reason == why]
+            says = f"{', '.join(who)} {'is' if len(who) == 1 else 'are'} left out: {why}"
+            click.echo(f"rps-bench: {plain(says)}", err=True)
         if self.unwritten is not None:
             raise self.unwritten
         return 1 if self.failures or (self.refusals and self.asked) else 0

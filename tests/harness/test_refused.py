@@ -43,11 +43,24 @@ def test_only_a_model_that_was_named_must_answer(
     answer = rps_bench("table", "--case-file", str(CHAINS), "--cases", "prs",
                        "--references", references)  # fmt: skip
     assert answer.status == status, answer.err
-    assert "mujoco-cable at prs is left out: mechanism = 'limb 1" in answer.err
+    assert "mujoco-cable at prs" in answer.err
+    assert "left out: mechanism = 'limb 1" in answer.err
     assert "exudyn-beam@" in answer.out
     assert (
         "mujoco-cable" not in answer.out.split("Every reference")[0] or "cannot take" in answer.out
     )
+
+
+def test_models_that_cannot_for_one_reason_are_one_sentence(
+    rps_bench: Callable[..., Any],
+) -> None:
+    table = ("table", "--case-file", "mechanisms", "--cases", "prs", "--references")
+    answer = rps_bench(*table, "mujoco-cable@4,exudyn-ffrf@2")
+    assert answer.err.count("mechanism = ") == 1
+    assert answer.err.startswith(
+        "rps-bench: mujoco-cable at prs, exudyn-ffrf at prs are left out: mechanism = 'limb 1"
+    )
+    assert answer.out.count("mujoco-cable@4, exudyn-ffrf@2 cannot take prs: mechanism = ") == 1
 
 
 def test_what_chains_have_no_frames_or_statements_for(
