@@ -157,8 +157,9 @@ class Table:
     def terminal(self, width: int | None = None) -> "Group":
         """Return what rich prints; where `width` is too small, the columns stand in blocks.
 
-        Every block repeats the leading columns of text, so that no number is ever cut. None: as
-        wide as it needs to be.
+        Every block repeats the columns that say what a row is, so that no number is ever cut or
+        left without its row; a column that says nothing is left out there. None: as wide as it
+        needs to be.
         """
         from rich.console import Group
         from rich.text import Text
@@ -180,17 +181,28 @@ class Table:
             max([len(name), *(len(row[k]) for row in text)]) for k, name in enumerate(self.columns)
         ]
 
+    def _leading(self) -> int:
+        """Return how many columns say what a row is: the first that tell all rows apart.
+
+        Measured numbers do not; where the columns before them leave rows alike, it is all of these.
+        """
+        text, most = self._text(), len(self.columns) - 1
+        for k in range(1, most + 1):
+            if len({tuple(row[:k]) for row in text}) == len(text):
+                return k
+            if any(isinstance(row[k], Number) for row in self.rows):
+                return k
+        return max(1, most)
+
     def _blocks(self, width: int | None) -> Iterator[Mapping[int, int]]:
         """Yield the columns of every block with their widths."""
-        numeric, natural = self._numeric(), self._widths()
+        text, numeric, natural = self._text(), self._numeric(), self._widths()
         if width is None or sum(natural) + GAP * len(natural) + 1 <= width:
             yield dict(enumerate(natural))
             return
         room = width - 1
-        # The columns before the first number say what a row is; of many only those that leave room.
         numbers = (w for w, flush in zip(natural, numeric, strict=True) if flush)
         widest = GAP + max(NARROW, *numbers, 0)
-        first = numeric.index(True) if True in numeric else 1
 
         def taken(block: Mapping[int, int]) -> int:
             return sum(block.values()) + GAP * len(block)
@@ -199,13 +211,13 @@ class Table:
             return natural[k] if numeric[k] else min(natural[k], max(NARROW, most))
 
         keys: dict[int, int] = {}
-        for k in range(max(1, min(first, len(natural) - 1))):
+        for k in range(self._leading()):
             if keys and taken(keys) + own(k, room // 3) + GAP + widest > room:
                 break
             keys[k] = own(k, room // 3)
         block, left = dict(keys), room - taken(keys) - GAP
         for k in range(len(natural)):
-            if k not in keys:
+            if k not in keys and any(row[k].strip() for row in text):
                 if taken(block) + own(k, left) + GAP > room and len(block) > len(keys):
                     yield block
                     block = dict(keys)

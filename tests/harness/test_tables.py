@@ -94,7 +94,25 @@ def test_no_number_is_cut(data: st.DataObject, columns: int, width: int) -> None
             if isinstance(cell, (int, Number)) and numeric:
                 assert seen[str(cell)], (str(cell), text)
     for k in range(columns):
-        assert f"c{k}" in seen and "[mm]" in seen
+        if any(str(row[k]).strip() for row in rows):
+            assert f"c{k}" in seen and "[mm]" in seen
+
+
+ROWS = st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 3), st.sampled_from("xyz")),
+                min_size=2, max_size=18, unique=True)  # fmt: skip
+
+
+@given(rows=ROWS, numbers=st.integers(1, 12), width=st.sampled_from(WIDTHS))
+def test_every_row_of_every_block_is_named(
+    rows: list[tuple[str, int, str]], numbers: int, width: int
+) -> None:
+    """Whatever it takes to tell rows apart, text or counts, stands again before every number."""
+    table = Table("t", ("Case", "s", "Part", *(f"f{k}" for k in range(numbers))),
+                  tuple((*row, *(Number(1.5),) * numbers) for row in rows))  # fmt: skip
+    names = [tuple(w for w in line.split() if w != "1.500")
+             for line in printed(table, width).splitlines() if "1.5" in line]  # fmt: skip
+    for first in range(0, len(names), len(rows)):
+        assert len(set(names[first : first + len(rows)])) == len(rows)
 
 
 def test_text_rounds_and_files_keep_more() -> None:
