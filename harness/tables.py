@@ -182,17 +182,10 @@ class Table:
         ]
 
     def _leading(self) -> int:
-        """Return how many columns say what a row is: the first that tell all rows apart.
-
-        Measured numbers do not; where the columns before them leave rows alike, it is all of these.
-        """
-        text, most = self._text(), len(self.columns) - 1
-        for k in range(1, most + 1):
-            if len({tuple(row[:k]) for row in text}) == len(text):
-                return k
-            if any(isinstance(row[k], Number) for row in self.rows):
-                return k
-        return max(1, most)
+        """Return how many columns say what a row is: the first that tell all rows apart."""
+        text, most = self._text(), max(1, len(self.columns) - 1)
+        apart = (k for k in range(1, most) if len({tuple(row[:k]) for row in text}) == len(text))
+        return next(apart, most)
 
     def _blocks(self, width: int | None) -> Iterator[Mapping[int, int]]:
         """Yield the columns of every block with their widths."""

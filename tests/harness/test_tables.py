@@ -98,15 +98,16 @@ def test_no_number_is_cut(data: st.DataObject, columns: int, width: int) -> None
             assert f"c{k}" in seen and "[mm]" in seen
 
 
-ROWS = st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 3), st.sampled_from("xyz")),
+SIZES = st.sampled_from([1, 2, 3, Number(0.05), Number(0.1)])
+ROWS = st.lists(st.tuples(st.sampled_from("ab"), SIZES, st.sampled_from("xyz")),
                 min_size=2, max_size=18, unique=True)  # fmt: skip
 
 
 @given(rows=ROWS, numbers=st.integers(1, 12), width=st.sampled_from(WIDTHS))
 def test_every_row_of_every_block_is_named(
-    rows: list[tuple[str, int, str]], numbers: int, width: int
+    rows: list[tuple[str, Cell, str]], numbers: int, width: int
 ) -> None:
-    """Whatever it takes to tell rows apart, text or counts, stands again before every number."""
+    """Whatever it takes to tell rows apart, text or numbers, stands again before every number."""
     table = Table("t", ("Case", "s", "Part", *(f"f{k}" for k in range(numbers))),
                   tuple((*row, *(Number(1.5),) * numbers) for row in rows))  # fmt: skip
     names = [tuple(w for w in line.split() if w != "1.500")
