@@ -1,11 +1,13 @@
 """Pictures: matplotlib figures as bytes, the same bytes for the same numbers."""
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from harness.signatures import Figure
+import numpy as np
+
+from harness.signatures import Axes, Figure
 
 # Okabe and Ito's colours, told apart by every common kind of colour vision; markers repeat the
 # distinction, and differ in size because repeated modes lie on top of each other.
@@ -13,6 +15,8 @@ COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "h")
 FORMS = ("svg", "png", "pdf")
 DPI = 300
+LINE = 0.045
+"""Height of a line of text, as a part of a panel's."""
 _UNDATED = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None}}
 
 
@@ -54,6 +58,22 @@ def look(mode: int) -> dict[str, Any]:
     i = (mode - 1) % 6
     return {"color": COLOURS[i], "marker": MARKERS[i], "markersize": 9 - 4 * (i % 2), "lw": 1.2,
             "label": f"$e_{{{mode}}}$"}  # fmt: skip
+
+
+def write_ends(axes: Axes, values: Mapping[str, float]) -> None:
+    """Write names and values of curves beside their right ends, none over another."""
+    found = {name: value for name, value in values.items() if np.isfinite(value)}
+    # Modes that repeat stand in their own order, not in that of what rounding left of them.
+    names = sorted(found, key=lambda name: (float(f"{found[name]:.3g}"), name))
+    axes.autoscale_view()  # settles what is transformed to
+    ends = np.array([(1, found[name]) for name in names]).reshape(-1, 2)
+    heights = (axes.transScale + axes.transLimits).transform(ends)[:, 1]
+    lines = LINE * np.arange(len(names))
+    lowest = np.clip(heights, 0, 1) - lines
+    up, down = np.maximum.accumulate(lowest), np.minimum.accumulate(lowest[::-1])[::-1]
+    for name, y in zip(names, (up + down) / 2 + lines, strict=True):
+        text = f"{name} {found[name]:#.3g}".rstrip(".")
+        axes.text(1.015, y, text, transform=axes.transAxes, va="center", fontsize=9)
 
 
 def picture(figure: Figure, form: str) -> bytes:

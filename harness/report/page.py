@@ -26,7 +26,7 @@ from harness.report.section import Json, Section
 from harness.reproduce import Part
 
 PAGE, FILE, CHECK = "index.html", "page.json", "check.json"
-FORMAT, VERSION = "rps-bench page", 1
+FORMAT, VERSION = "rps-bench page", 2
 MAKERS = (studies.claims, table_one.section, fig3.section, studies.budget, studies.work,
           shapes.section, studies.provenance)  # fmt: skip
 """What makes the sections that are made of the run alone."""

@@ -1,5 +1,6 @@
 """Pictures that need no script, as studies draw them: a mechanism at a pose, and Fig. 3."""
 
+import re
 from base64 import b64encode
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -8,7 +9,7 @@ import numpy as np
 
 from harness.case import Case
 from harness.drawing import drawn
-from harness.figures import own_style, picture
+from harness.figures import COLOURS, own_style, picture
 from harness.report.section import Json
 from harness.studies.convergence import Convergence, convergence_figure
 from harness.studies.shapes import KEY, rest_figure
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
 PANELS = 2
 """Cases of Fig. 3 that the first screen has room for."""
 
+INKS = {colour.lower(): f"var(--m{mode})" for mode, colour in enumerate(COLOURS, 1)} | {
+    "#ffffff": "var(--paper)", "#b0b0b0": "var(--faint)", "#cccccc": "var(--rule)",
+}  # fmt: skip
+"""What the page calls the colours of curves, of ground, grid and frame, light or dark."""
+
 
 def mechanism(case: Case) -> Json:
     """Return the mechanism of a case at its pose as a picture, and what its limbs are."""
@@ -27,7 +33,7 @@ def mechanism(case: Case) -> Json:
     plain = drawn(case.mechanism, case.pose).plain
     chains = dict.fromkeys(limb.described for limb in case.mechanism.limbs)
     return {
-        "picture": _embedded(figure, "png"),
+        "picture": f"data:image/png;base64,{b64encode(picture(figure, 'png')).decode()}",
         "chains": "" if plain else " and ".join(chains),
         "key": "" if plain else KEY,
         "caption": case.heading,
@@ -38,17 +44,21 @@ def fig3(found: Convergence) -> Json:
     """Return Fig. 3 of a result, a picture for each of its first few cases, and its caption."""
     cases = [case for case, off in found.errors.items() if np.isfinite(off).any()]
     pictures, limit = [], found.theory.limit()
-    for case in cases[:PANELS]:
+    for k, case in enumerate(cases[:PANELS]):
         with own_style():
             figure = convergence_figure(replace(found, study=replace(found.study, cases=(case,))))
+            figure.set_size_inches(4.4, 3.7)
             figure.suptitle("")  # the caption says it
             figure.axes[0].set_title(case.heading)
-        pictures.append({"title": case.heading, "picture": _embedded(figure, "svg+xml")})
+        pictures.append({"title": case.heading, "picture": _inline(figure, f"panel{k}")})
     title = f"{found.theory.name} with s elements a limb against {found.reference.label}"
     return {"panels": pictures, "title": title, "limit": limit and limit.label}
 
 
-def _embedded(figure: "Figure", kind: str) -> str:
-    """Return a figure as the address of an image that holds it."""
-    content = picture(figure, kind.partition("+")[0])
-    return f"data:image/{kind};base64,{b64encode(content).decode()}"
+def _inline(figure: "Figure", name: str) -> str:
+    """Return a figure as SVG in the page's colours, all ids beginning with `name`."""
+    drawing = picture(figure, "svg").decode()
+    drawing = re.sub(r'(id="|"#|\(#)', rf"\g<1>{name}-", drawing[drawing.index("<svg") :])
+    for colour, own in INKS.items():
+        drawing = drawing.replace(colour, own)
+    return drawing.replace("*{", ".drawn *{")

@@ -18,7 +18,7 @@ from harness.compare import (
     match,
     pairing_notes,
 )
-from harness.figures import look, panels
+from harness.figures import look, panels, write_ends
 from harness.plan import Plan
 from harness.request import Request
 from harness.signatures import Array, Figure
@@ -167,7 +167,8 @@ def jobs(plan: Plan) -> dict[str, Request]:
 def convergence_figure(result: Convergence) -> Figure:
     """Return Fig. 3: error against s, one panel a case, (a), (b) ...; stars: printed values.
 
-    Against the theory's own limit the axes are logarithmic, and a line shows the formal order.
+    What each curve ends at is written beside it. Against the theory's own limit the axes are
+    logarithmic, and a line shows the formal order.
     """
     from matplotlib.ticker import MaxNLocator, NullFormatter
 
@@ -210,8 +211,11 @@ def convergence_figure(result: Convergence) -> Figure:
         if positive:
             axes.yaxis.set_major_formatter("{x:g}")
             axes.yaxis.set_minor_formatter(NullFormatter())
+    for axes, case in zip(row, cases, strict=True):
+        last = (np.abs(result.errors[case]) if own else result.errors[case])[-1]
+        write_ends(axes, {str(look(i)["label"]): last[i - 1] for i in result.shown})
     row[0].set_ylabel(f"{'discretisation' if own else 'relative'} error [%]")
     if not own and any(case.paper and case.paper.errors for case in cases):
-        row[-1].plot([], [], "*", color="0.3", ms=11, mec="white", label="quoted in the paper")
+        row[-1].plot([], [], "*", color="0.5", ms=11, mec="white", label="quoted in the paper")
     row[-1].legend(fontsize=9, ncols=2)
     return figure

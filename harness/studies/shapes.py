@@ -186,8 +186,10 @@ def shapes_figure(result: Shapes, case: Case) -> Figure:
 
 
 def rest_figure(case: Case) -> Figure:
-    """Return the mechanism of a case at rest, with its joints."""
+    """Return the mechanism of a case at rest, with its joints, on no ground of its own."""
     figure, ((axes,),) = panels("", 1, 1, (3.6, 3.2), subplot_kw=SPACE)
+    figure.set_facecolor("none")
+    axes.set_facecolor("none")
     there = drawn(case.mechanism, case.pose)
     draw(axes, there, np.zeros(6), 0.0)
     if there.plain:

@@ -4,10 +4,13 @@ import io
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from harness.api import study
+from harness.figures import LINE, write_ends
 from harness.output import result_files
 from harness.result import Result
 
@@ -34,3 +37,20 @@ def test_figures_do_not_depend_on_the_users_style(result: Result) -> None:
     usual = result_files(result, "fig")
     with mpl.rc_context(USERS):
         assert result_files(result, "fig") == usual
+
+
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_ends_are_written_in_order_none_over_another(scale: str) -> None:
+    """Alone at its curve's height; of close ones each a line above the last."""
+    axes = Figure().add_subplot()
+    axes.plot([1, 2], [1, 1000])
+    axes.set_yscale(scale)
+    values = {"b": 100 + 1e-13, "a": 100.0, "lost": float("nan"), "c": 101.0, "alone": 1000.0}
+    write_ends(axes, {"lost": float("nan")})
+    assert not axes.texts
+    write_ends(axes, values)
+    assert [t.get_text() for t in axes.texts] == ["a 100", "b 100", "c 101", "alone 1.00e+03"]
+    places = [text.get_position()[1] for text in axes.texts]
+    assert np.diff(places[:3]) == pytest.approx([LINE, LINE])
+    at = axes.transAxes.inverted().transform(axes.transData.transform([(1, 100), (1, 1000)]))[:, 1]
+    assert [np.mean(places[:3]), places[3]] == pytest.approx(at, abs=0.01)

@@ -82,8 +82,11 @@ def test_the_first_screen_answers(kept: Any) -> None:
         "Case 1: level platform",
         "Case 2: tilted platform",
     ]
-    level, tilted = (b64decode(panel["picture"].partition(",")[2]) for panel in panels)
-    assert level.count(b"</svg>") == tilted.count(b"</svg>") == 1 and level != tilted
+    level, tilted = (panel["picture"] for panel in panels)
+    assert level.count("</svg>") == tilted.count("</svg>") == 1 and level != tilted
+    ids = re.findall(r'id="([^"]*)"', level + tilted)
+    assert len(set(ids)) == len(ids), "two drawings on one page"
+    assert {*re.findall(r'[("]#([^")]*)', level + tilted)} <= {*ids}
 
 
 def test_a_page_about_ones_own_robot(made: Any) -> None:
@@ -136,7 +139,7 @@ def test_files_of_others_are_refused(made: Any, tmp_path: Path) -> None:
     for text, why in (
         ("{ not JSON", "it is damaged"),
         ("[]", "version 1, not none"),
-        ('{"format": "rps-bench page", "version": 99}', "version 1, not 99"),
+        ('{"format": "rps-bench page", "version": 99}', "version 2, not 99"),
     ):
         (tmp_path / "page.json").write_text(text)
         with pytest.raises(InputError, match=why):

@@ -297,7 +297,15 @@ def test_the_theme_is_chosen(made: Any, opened: Any) -> None:
         ground = "getComputedStyle(document.body).backgroundColor"
         ink = "document.getElementById('fig3-chart')._fullLayout.font.color"
         dark = page.evaluate(ground), page.evaluate(ink)
+        drawn = [
+            f"getComputedStyle(document.querySelector('.panels {one}')).{what}"
+            for one, what in (("#panel0-patch_2 path", "fill"), ("#panel0-text_1", "fill"))
+        ]
+        body = "getComputedStyle(document.body).color"
+        seen = [page.evaluate(one) for one in drawn]
+        assert seen == [dark[0], page.evaluate(body)], "drawings stand on the page, in its ink"
         page.click("#theme")
+        assert [page.evaluate(one) for one in drawn] == ["rgb(255, 255, 255)", page.evaluate(body)]
         light = page.evaluate(ground), page.evaluate(ink)
         assert light == ("rgb(255, 255, 255)", "#1c2127")
         assert dark != light

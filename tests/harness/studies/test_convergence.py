@@ -35,6 +35,8 @@ def test_the_floor_is_what_no_number_of_elements_removes() -> None:
     (axes,) = result.figures()[""].axes
     lines = [line for line in axes.lines if line.get_linestyle() == ":"]
     np.testing.assert_allclose([line.get_ydata()[0] for line in lines], result.floor(case))
+    ends = {f"$e_{{{i}}}$ {value:#.3g}" for i, value in enumerate(result.errors[case][1], 1)}
+    assert {text.get_text() for text in axes.texts} == ends, "what the curves end at"
 
 
 def test_the_printed_errors_stand_beside_ours() -> None:
