@@ -247,7 +247,7 @@ def time_ways(
         # More elements of a method, or more poses of a model, would take longer still.
         key = f"{label(way.model)}, many poses a call" if batch else way.method
         if unfit:
-            left_out[way.method] = f"not with {way.size} elements ({unfit})"
+            left_out[way.method] = f"not with s = {way.size} ({unfit})"
         elif key not in stopped:
             many = way.poses
             places = tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)

@@ -8,7 +8,7 @@ from harness.report import pictures
 from harness.report.material import Material
 from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
-from harness.studies.claims.data import MANY
+from harness.studies.claims.data import verb
 from harness.studies.convergence import Convergence
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
@@ -37,7 +37,7 @@ def section(run: Material) -> Section:
         "finding": _finding(table) if table else [],
         "answers": _answers(run, table if ours else None),
         "verdicts": [
-            {"kind": n, "count": counts[n], "said": n if counts[n] == 1 else MANY.get(n, n)}
+            {"kind": n, "count": counts[n], "said": verb(n, counts[n])}
             for n in VERDICTS
             if counts[n]
         ],

@@ -8,6 +8,7 @@ from harness.report.material import Material
 from harness.report.section import Json, Section, digits, number, shown
 from harness.rows import mode_rows
 from harness.studies.budget import ELEMENTS, Budget
+from harness.studies.claims.data import verb
 from harness.studies.precision import GROUPS, Point, WorkPrecision
 
 VERDICTS = ("fails", "cannot be reproduced", "holds only if", "holds", "other")
@@ -50,8 +51,9 @@ def claims(run: Material) -> Section | None:
         fields = {heading: claim[name] for heading, name in CLAIM.items()}
         claim["record"] = run.ledger.add(f"Claim {claim['id']}", fields, [run.run])
         claim["verdict"], _, claim["why"] = claim["verdict"].partition(": ")
-    groups = [[kind, [one for one in found if one["kind"] == kind]] for kind in VERDICTS]
-    context = {"count": len(found), "groups": [group for group in groups if group[1]]}
+    kinds = {kind: [one for one in found if one["kind"] == kind] for kind in VERDICTS}
+    groups = [[kind, own, verb(kind, len(own))] for kind, own in kinds.items() if own]
+    context = {"count": len(found), "groups": groups}
     title = "The paper's claims, one by one"
     return Section("claims", title, "Claims", run.only("claims"), context)
 

@@ -25,7 +25,6 @@ from harness.studies.claims.data import (
     COLUMNS,
     HOLDS,
     KINDS,
-    MANY,
     RULES,
     TABLE,
     WORDS,
@@ -34,6 +33,7 @@ from harness.studies.claims.data import (
     Outcome,
     checked,
     select,
+    verb,
 )
 from harness.studies.claims.facts import PAPER, Facts, UnmeasuredError
 from harness.tables import Table
@@ -114,8 +114,7 @@ class Claims(Result):
     def sentences(self) -> list[str]:
         """Return how many statements there are of each verdict, then those that fail."""
         counts = ", ".join(
-            f"{number} {kind if number == 1 else MANY.get(kind, kind)}"
-            for kind, number in self.counts().items()
+            f"{number} {verb(kind, number)}" for kind, number in self.counts().items()
         )
         return [f"Of {len(self.found)} statements of the paper: {counts}."] + [
             f"{one.claim.id}: {one.verdict}." for one in self.found if one.kind == KINDS[-1]

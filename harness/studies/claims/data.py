@@ -25,6 +25,11 @@ CASES = ("case1", "case2")
 TABLE = tuple(PRESETS[name] for name in CASES)
 
 
+def verb(kind: str, number: int) -> str:
+    """Return what so many claims of a kind do, in words."""
+    return kind if number == 1 else MANY.get(kind, kind)
+
+
 def checked() -> Paper:
     """Return the paper that this bench is about."""
     assert TABLE[0].paper is not None, "it is one of its cases"

@@ -74,7 +74,8 @@ class Point:
     def name(self) -> str:
         """The way in words, with its time."""
         ms = 1e3 * self.seconds
-        return f"{self.method}@{self.size}: {f'{ms:.3g} ms' if ms < 1000 else f'{ms / 1000:.3g} s'}"
+        time = f"{ms:.3g} ms" if ms < 1000 else f"{ms / 1000:.3g} s"
+        return f"{Way(self.model).method}@{self.size}: {time}"
 
 
 @dataclass(frozen=True)

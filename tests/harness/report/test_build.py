@@ -138,7 +138,7 @@ def test_files_of_others_are_refused(made: Any, tmp_path: Path) -> None:
         load(tmp_path)
     for text, why in (
         ("{ not JSON", "it is damaged"),
-        ("[]", "version 1, not none"),
+        ("[]", "version 2, not none"),
         ('{"format": "rps-bench page", "version": 99}', "version 2, not 99"),
     ):
         (tmp_path / "page.json").write_text(text)

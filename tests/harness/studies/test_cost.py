@@ -61,7 +61,7 @@ def test_ratios_are_to_the_same_round(cost: Cost) -> None:
 def test_meshes_that_a_simulator_cannot_have_are_left_out(cost: Cost) -> None:
     assert cost.failures() == {}
     why = cost.timings.left_out["mujoco-cable"]  # which needs three segments
-    assert why.startswith("not with 2 elements (elements = 2: expected")
+    assert why.startswith("not with s = 2 (elements = 2: expected")
     assert cost.at("mujoco-cable", 4) is not None
     assert cost.at("exudyn-cable", 1) is not None
 
