@@ -28,7 +28,8 @@ from analytic.wittrick_williams import Characteristic
 Loop = Callable[..., Any]
 
 CHUNK = 700
-"""Poses solved at once: what fits into the processor's cache."""
+"""Poses solved at once: what fits into the processor's cache, twice as many where a compiled loop
+has few arrays of all of them."""
 AGREED = 1e-9
 """How far, relative, frequencies may be from those of the model they are condensed from."""
 WORTHWHILE = 200_000
@@ -170,11 +171,12 @@ def _in_chunks(
     steps of numpy, a few poses of every chunk would cost as much as all of the chunk.
     """
     N, n = len(poses), len(mechanism.limbs)
+    size = CHUNK if loop is None else 2 * CHUNK
     coupled = _coupled(count, elements, n)
     result, lengths = np.empty((N, count)), np.empty((N, n))
     left = [np.arange(0)]
-    for first in range(0, N, CHUNK):
-        rows = slice(first, first + CHUNK)
+    for first in range(0, N, size):
+        rows = slice(first, first + size)
         lengths[rows], vectors = geometry(known, mechanism, poses[rows])
         values, unsure = tabulated(
             known, lengths[rows], vectors, elements, coupled, loop, levels=1, quick=True
@@ -183,8 +185,8 @@ def _in_chunks(
         values[unsure] = 0.0
         result[rows] = _twisted(known, lengths[rows], values, elements, count, torsion)
     again = np.concatenate(left)
-    for first in range(0, len(again), CHUNK):
-        some = again[first : first + CHUNK]
+    for first in range(0, len(again), size):
+        some = again[first : first + size]
         problem = geometry(known, mechanism, poses[some])
         result[some] = lowest(known, *problem, elements, count, loop, lengths, torsion=torsion)
     return result

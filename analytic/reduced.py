@@ -59,7 +59,10 @@ def geometry(known: Constants, mechanism: Mechanism, poses: Pose) -> tuple[Float
     """
     limbs = limbs_at(mechanism, poses)
     n = limbs.lengths.shape[-1]
-    vectors = limbs.frames.swapaxes(-1, -2) @ limbs.rotation[..., None, :, :] @ known.tips
+    # One product for all poses, then one a limb.
+    moved = limbs.rotation.reshape(-1, 3) @ known.tips.swapaxes(0, 1).reshape(3, -1)
+    frames = limbs.frames.reshape(-1, n, 3, 3).swapaxes(2, 3)
+    vectors = frames @ moved.reshape(-1, 3, n, 6).swapaxes(1, 2)
     return limbs.lengths.reshape(-1, n), vectors.reshape(-1, 3 * n, 6)
 
 
