@@ -28,6 +28,7 @@ class LongTable:
     ) -> None:
         self.file, self._columns, self._modes = file, columns, modes
         self._by_mode = {name: [f"{name}_{mode}" for mode in modes] for name in by_mode}
+        self._memory: dict[str, np.ndarray] = {}
         # Always the same name: what a killed process left behind is overwritten, not kept.
         self._own = file.with_name(f".{file.name}.rows")
         self._part = file.with_name(f".{file.name}.part")
@@ -66,9 +67,17 @@ class LongTable:
             elif name != "mode":
                 values += ["NULL" if value is None else quoted(value)] * len(own)
         with self._told():
-            self.base.register("block", {k: np.ascontiguousarray(v) for k, v in arrays.items()})
+            self.base.register("block", {k: self._held(k, v) for k, v in arrays.items()})
             self.base.execute(f"INSERT INTO wide SELECT {', '.join(values)} FROM block")
             self.base.unregister("block")
+
+    def _held(self, name: str, values: np.ndarray) -> np.ndarray:
+        """Return `values` where the last block's were: DuckDB keeps hold of all that it read."""
+        own = self._memory.get(name)
+        if own is None or own.dtype != values.dtype or len(own) < len(values):
+            own = self._memory[name] = np.empty(len(values), values.dtype)
+        own[: len(values)] = values
+        return own[: len(values)]
 
     def write(self, *without: str) -> None:
         """Write the file but for some columns; it takes its name when it is complete."""

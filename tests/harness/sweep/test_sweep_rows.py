@@ -269,20 +269,20 @@ def test_memory_does_not_grow_with_the_poses(
     ended: Callable[..., tuple[int, str, str]],
     tmp_path: Path,
 ) -> None:
-    """The poses themselves are held, 24 bytes each, and copied once; rows and answers are not."""
+    """The poses themselves are held, 24 bytes each, and copied as they are drawn; rows are not."""
     peak = (  # not ru_maxrss: a new program inherits that of the process that started it
         "import atexit; atexit.register(lambda: print('peak', "
         "open('/proc/self/status').read().split('VmHWM:')[1].split()[0]))"
     )
     used = []
-    for count in (60_000, 160_000):
+    for count in (160_000, 260_000):  # with fewer DuckDB's own 32 MB fill
         output = str(tmp_path / str(count))
         given = ("--poses", f"random:{count}", "--models", "euler-bernoulli@exact")
         status, out, err = ended(started(*given, "--output", output, before=peak))
         assert status == 0, err
         used.append(1024 * int(out.split()[-1]))
     rows = 6 * 100_000 * (8 * 5 + 8)  # what the additional rows alone would take
-    assert used[1] - used[0] < 24e6 < rows
+    assert used[1] - used[0] < 12e6 < rows
 
 
 def test_a_history_that_was_not_written_is_written_by_the_next_run(
