@@ -61,7 +61,8 @@ def solve_poses(
     """Fill `start` (N, m), `found` (N, count), `settled` and `below` (N,), see `condensed`.
 
     `tolerance`, `safety`, `most` and `faint` are of `correction`; modes are counted `past` the last
-    root.
+    root. `usual`: all sizes are `USUAL`; None: they are the arrays'. Numba compiles the two apart,
+    for it drops the branch that None, a type of its own, rules out.
     """
     N, columns = len(a), powers.shape[2]
     if usual is None:

@@ -182,7 +182,7 @@ class Table:
         ]
 
     def _leading(self) -> int:
-        """Return how many columns say what a row is: the first that tell all rows apart."""
+        """Return how many columns say what a row is: the first that tell all rows apart, or all."""
         text, most = self._text(), max(1, len(self.columns) - 1)
         apart = (k for k in range(1, most) if len({tuple(row[:k]) for row in text}) == len(text))
         return next(apart, most)
