@@ -8,8 +8,7 @@ against elements), `cost.csv` (times) and others that its claims need.
 
 import csv
 import math
-import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from decimal import Decimal, InvalidOperation
 from functools import cached_property
@@ -19,6 +18,7 @@ from types import MappingProxyType
 from typing import Any
 
 from analytic import InputError
+from harness.toml_table import Given, read_toml
 
 CHECKED = "gong-lou-2023"
 """The paper that this bench is about."""
@@ -112,33 +112,43 @@ class Paper:
 
     def toml(self, file: str) -> dict[str, Any]:
         """Return what a file of the folder says, nothing where there is none."""
-        return _toml(self.folder / file)
+        path = self.folder / file
+        return read_toml(path) if path.exists() else {}
 
     @cached_property
     def errors(self) -> dict[tuple[str, int, int], float]:
         """The errors quoted of few elements: (case, elements, mode) to percent."""
-        return _numbers(
-            self.folder / "fig3.csv",
-            "case, elements, mode, error_percent",
-            lambda row: (row["case"], int(row["elements"]), int(row["mode"])),
-            "error_percent",
-        )
+        rows = self._numbers("fig3.csv", case=str, elements=int, mode=int, error_percent=float)
+        return {(case, elements, mode): error for case, elements, mode, error in rows}
 
     @cached_property
     def cost(self) -> dict[str, float]:
         """What the paper says its model costs: quantity to seconds, or percent saved."""
-        file = self.folder / "cost.csv"
-        return _numbers(file, "quantity, value", lambda row: row["quantity"], "value")
+        return dict(self._numbers("cost.csv", quantity=str, value=float))
+
+    def _numbers(self, name: str, **columns: Any) -> list[Any]:
+        """Return the rows of a file, each of `columns` as its type; none where there is no file."""
+        file = self.folder / name
+        try:
+            rows = _rows(file) if file.exists() else ()
+            return [tuple(kind(row[column]) for column, kind in columns.items()) for row in rows]
+        except (KeyError, ValueError, TypeError):
+            expected = f"the columns {', '.join(columns)}, with numbers"
+            raise InputError(str(file), None, expected) from None
 
     @cached_property
     def errata(self) -> tuple[Erratum, ...]:
         """What cannot be taken as printed, in the order of the file."""
         entries = self.toml("errata.toml").get("erratum", [])
-        known = {one.name for one in fields(Erratum)}
-        return tuple(
-            _made(Erratum, self.folder, {k: v for k, v in entry.items() if k in known})
-            for entry in entries
-        )
+        return tuple(self._made(Erratum, entry) for entry in entries)
+
+    def _made(self, kind: type[Any], entry: dict[str, Any]) -> Any:
+        """Return a claim or an erratum of what it knows of `entry`."""
+        for one in fields(kind):
+            if one.default is MISSING and one.name not in entry:
+                expected = f"the key {one.name!r} in every {kind.__name__.lower()}"
+                raise InputError(str(self.folder), None, expected)
+        return kind(**{one.name: entry[one.name] for one in fields(kind) if one.name in entry})
 
     @cached_property
     def claims(self) -> tuple[Claim, ...]:
@@ -160,7 +170,7 @@ class Paper:
             for key in FORMS.get(check, ()):
                 if key not in own:
                     raise InputError(str(self.folder), None, f"the key {key!r} in every such claim")
-            yield _made(Claim, self.folder, said | {"args": own})
+            yield self._made(Claim, said | {"args": own})
             return
         over = entry.get("over", {})
         for values in product(*over.values()):
@@ -168,7 +178,7 @@ class Paper:
             words = args | {"name": args.get("case", "").replace("case", "Case ")}
             words["printed"] = self.quoted_number(args)
             text = {key: value.format(**words) for key, value in said.items()}
-            yield _made(Claim, self.folder, text | {"args": MappingProxyType(args)})
+            yield self._made(Claim, text | {"args": MappingProxyType(args)})
 
     def quoted_number(self, args: Mapping[str, Any]) -> float:
         """Return the number that a claim with `args` quotes; NaN if it quotes none."""
@@ -218,29 +228,32 @@ def names() -> list[str]:
 
 def read_paper(path: Path, cases: list[str]) -> Paper:
     """Return the paper of a folder, whose table is of `cases`."""
-    about = _toml(path / ABOUT)
+    file = path / ABOUT
+    about = read_toml(file) if file.exists() else {}
     for key in KEYS:
         if key not in about:
-            raise InputError(str(path / ABOUT), None, f"the key {key}")
-    unknown = sorted(about.keys() - {*KEYS, *MORE})
-    if unknown:
-        raise InputError(str(path / ABOUT), unknown[0], f"only the keys {', '.join(KEYS + MORE)}")
+            raise InputError(str(file), None, f"the key {key}")
+    Given(str(file), about, (*KEYS, *MORE))
     return Paper(path, **about, table=_table(path / TABLE, cases))
+
+
+def _rows(file: Path) -> "csv.DictReader[str]":
+    return csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
 
 
 def _table(file: Path, cases: list[str]) -> dict[str, tuple[Printed, ...]]:
     try:
-        reader = csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
+        reader = _rows(file)
     except OSError as error:
         raise InputError("table", str(file), f"a readable file ({error.strerror})") from None
     if tuple(name for name in reader.fieldnames or () if name != "error_percent") != COLUMNS:
         raise InputError("table", str(file), f"the columns {', '.join(COLUMNS)}")
-    found: dict[str, list[Printed]] = {name: [] for name in cases}
+    found: dict[str, tuple[Printed, ...]] = dict.fromkeys(cases, ())
     for row in reader:
         if row["case"] not in found:
             raise InputError(str(file), row["case"], f"one of the cases {', '.join(cases)}")
-        found[row["case"]].append(_printed(row, file))
-    return {name: tuple(some) for name, some in found.items()}
+        found[row["case"]] += (_printed(row, file),)
+    return found
 
 
 def _printed(row: dict[str, str], file: Path) -> Printed:
@@ -248,41 +261,11 @@ def _printed(row: dict[str, str], file: Path) -> Printed:
         text = Decimal(row["frequency_hz"])
         mode, value = int(row["mode"]), float(text)
         error = float(row["error_percent"]) if row.get("error_percent") else None
+        if not (math.isfinite(value) and value > 0 and mode > 0):
+            raise ValueError
     except (InvalidOperation, ValueError, TypeError):
-        text, mode, value, error = Decimal(0), 0, math.nan, None
-    if not (math.isfinite(value) and value > 0 and mode > 0):
         said = f"{row['mode']}, {row['frequency_hz']}"
-        raise InputError(f"{file}, {row['case']}", said, "a mode from 1, and hertz above zero")
+        expected = "a mode from 1, and hertz above zero"
+        raise InputError(f"{file}, {row['case']}", said, expected) from None
     half = 0.5 * 10.0 ** int(text.as_tuple().exponent)
     return Printed(row["method"], mode, value, half, row["where"], error)
-
-
-def _made(kind: type[Any], path: Path, entry: dict[str, Any]) -> Any:
-    """Return a claim or an erratum; raises `InputError` naming a key that is not there."""
-    for one in fields(kind):
-        if one.default is MISSING and one.name not in entry:
-            name = kind.__name__.lower()
-            raise InputError(str(path), None, f"the key {one.name!r} in every {name}")
-    return kind(**entry)
-
-
-def _numbers(
-    file: Path, columns: str, key: Callable[[dict[str, str]], Any], value: str
-) -> dict[Any, float]:
-    """Return a column of numbers by the `key` of their rows, none where there is no file."""
-    if not file.exists():
-        return {}
-    rows = csv.DictReader(file.read_text(encoding="utf-8-sig").splitlines())
-    try:
-        return {key(row): float(row[value]) for row in rows}
-    except (KeyError, ValueError, TypeError):
-        raise InputError(str(file), None, f"the columns {columns}, with numbers") from None
-
-
-def _toml(file: Path) -> dict[str, Any]:
-    if not file.exists():
-        return {}
-    try:
-        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(str(file), None, f"a TOML file ({error})") from None

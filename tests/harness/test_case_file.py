@@ -25,6 +25,12 @@ ONE = (
     "[[mechanisms.m.limb]]\nbase_mm = [0, 0, 0]\naxis = [0, 1, 0]\nplatform_point_mm = [0, 0, 0]\n"
 )
 GIVEN = f"[mechanisms.m]{RODS}{BODY}"
+DISC = """[mechanisms.m]
+platform = {radius_mm = 200, thickness_mm = 20, density_kg_m3 = 7820}
+"""
+CHAIN = 'platform_point_mm = [200, 0, 0]\nchain = [{joint = "S"}, {rod = "r"}, {joint = "S"}]\n'
+CHAIN += "[rods.r]\nmaterial = 's'\ndiameter_mm = 20\n[materials.s]\nyoung_GPa = 200\n"
+CHAIN += "shear_GPa = 77\ndensity_kg_m3 = 7820\n"
 CASE = '[cases.a]\nmechanism = "m"\nz_mm = 400\n'
 LONG = 400 * "9"
 
@@ -60,11 +66,23 @@ REFUSED = {
                          r"mechanisms\.m\.limb\.axis = None: expected a direction"),
     "too far": ("[cases.a]\nz_mm = 1e300", r"cases\.a\.z_mm = 1e\+300: expected at most 1e\+12 m"),
     "no rods": (
-        "[mechanisms.m]\nplatform = {radius_mm = 200, thickness_mm = 20, density_kg_m3 = 7820}\n"
+        f"{DISC}"
         "[[mechanisms.m.limbs]]\nbase_mm = [300, 0, 0]\nplatform_point_mm = [200, 0, 0]\n"
         'chain = [{joint = "S"}, {rod = "link"}, {joint = "S"}]\n' + CASE,
         r"chain\[1\]\.rod = 'link': expected a known one, and there is none",
     ),
+    "one load for many": (
+        f"{DISC}"
+        f"payloads = 3\n[[mechanisms.m.limbs]]\nbase_mm = [300, 0, 0]\n{CHAIN}{CASE}",
+        r"mechanisms\.m\.payloads = 3: expected tables called \[\[mechanisms\.m\.payloads\]\]"),
+    "a number for tilts": (
+        DISC + "[[mechanisms.m.limbs]]\nbase_mm = [300, 0, 0]\n"
+        + CHAIN.replace("{rod", "{joint = 'fixed', tilt_stiffness_Nm_rad = 3}, {rod") + CASE,
+        r"chain\[1\]\.tilt_stiffness_Nm_rad = 3: expected stiffnesses by the x,y,z of their axes"),
+    "a disc without radius": (
+        f"{DISC.replace('200', '0')}"
+        f"[[mechanisms.m.limbs]]\nbase_mm = [300, 0, 0]\n{CHAIN}{CASE}",
+        r"mechanisms\.m\.platform\.radius_mm = 0: expected a positive number of millimetres"),
     "text": ('[cases.a]\nz_mm = "490"', r"cases\.a\.z_mm = '490': expected a finite number of m"),
 }  # fmt: skip
 
