@@ -8,7 +8,7 @@ from harness.report import pictures
 from harness.report.material import Material
 from harness.report.section import Json, Section, shown
 from harness.report.studies import VERDICTS, verdicts
-from harness.studies.claims.data import verb
+from harness.studies.claims import verb
 from harness.studies.convergence import Convergence
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table

@@ -8,7 +8,7 @@ from harness.report.material import Material
 from harness.report.section import Json, Section, digits, number, shown
 from harness.rows import mode_rows
 from harness.studies.budget import ELEMENTS, Budget
-from harness.studies.claims.data import verb
+from harness.studies.claims import verb
 from harness.studies.precision import GROUPS, Point, WorkPrecision
 
 VERDICTS = ("fails", "cannot be reproduced", "holds only if", "holds", "other")

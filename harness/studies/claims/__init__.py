@@ -4,8 +4,10 @@ The statements are about the paper's own mechanism, or those of the papers whose
 `case_file`.
 """
 
+import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from analytic import InputError
@@ -14,28 +16,18 @@ from harness.paper import FORMS, Claim
 from harness.plan import Plan
 from harness.request import Option, Request
 from harness.result import Result
-from harness.studies.claims import (
-    check_cost,
-    check_equations,
-    check_models,
-    check_printed,
-    check_workspace,
-)
-from harness.studies.claims.data import (
-    COLUMNS,
+from harness.studies.claims import check_cost, check_mechanism, check_numbers
+from harness.studies.claims.facts import (
     HOLDS,
-    KINDS,
+    PAPER,
     RULES,
     TABLE,
-    WORDS,
     Args,
-    Finding,
+    Facts,
     Outcome,
+    UnmeasuredError,
     checked,
-    select,
-    verb,
 )
-from harness.studies.claims.facts import PAPER, Facts, UnmeasuredError
 from harness.tables import Table
 from reference_models import UnavailableError
 
@@ -48,23 +40,45 @@ def _only(text: str) -> list[str]:
 
 TAKES = ("case_file",)
 OPTIONS = (Option("only", "ID,ID", "Check these claims; default all.", None, _only),)
+KINDS = _, ONLY_IF, CANNOT, FAILS = (
+    HOLDS, "holds only if", "cannot be reproduced as printed", "fails"
+)  # fmt: skip
+"""What a verdict begins with."""
+MANY = {HOLDS: "hold", ONLY_IF: "hold on a condition", FAILS: "fail"}
+"""What several claims of a kind do."""
+COLUMNS = ("id", "section", "quoted", "measured", "uncertainty", "verdict", "command")
 SHORT = ("id", "quoted", "measured", "kind")
 """The columns of a long list: its lines are read at a glance."""
 LONG = 10
 """More claims than this are a long list."""
+WORDS = tomllib.loads(Path(__file__).with_name("findings.toml").read_text(encoding="utf-8"))
 CHECKS: dict[str, Callable[[Facts, Args], Outcome]] = {
     name: check
-    for module in (
-        check_cost,
-        check_equations,
-        check_models,
-        check_printed,
-        check_workspace,
-    )
+    for module in (check_cost, check_mechanism, check_numbers)
     for name, check in vars(module).items()
-    if getattr(check, "__module__", "") == module.__name__ and not name.startswith("_")
+    if name in WORDS
 }
 """The checks by name: which verdict the facts and a claim's arguments give, and what with."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check of a `claim` found, in words made for the measured numbers."""
+
+    claim: Claim
+    measured: str
+    uncertainty: str
+    verdict: str
+
+    @property
+    def kind(self) -> str:
+        """The one of `KINDS` that it is; raises `StopIteration` where it is none."""
+        return next(k for k in (ONLY_IF, HOLDS, CANNOT, FAILS) if self.verdict.startswith(k))
+
+    def row(self) -> dict[str, str]:
+        """Return every field in words."""
+        every = vars(self.claim) | vars(self) | {"kind": self.kind}
+        return {name: every[name] for name in (*COLUMNS, "kind", "how", "erratum")}
 
 
 @dataclass(frozen=True)
@@ -94,30 +108,25 @@ class Claims(Result):
         return {"": whole} if len(self.found) <= LONG else {"": whole, "-short": self._table(SHORT)}
 
     def _table(self, columns: Sequence[str]) -> Table:
+        notes = ["; ".join(f"{number} {kind}" for kind, number in self.counts().items())]
         # Claims of any paper bring their own thresholds.
-        ruled = any(one.claim.check not in FORMS for one in self.found)
-        rules = (
-            f"printed numbers agree within half a unit of their last digit ({RULES.rounding:g}) "
-            "and the measured uncertainty; two frequencies are the same within "
-            f"{RULES.agrees_percent:g} %; significant is more than "
-            f"{RULES.significant_percent:g} %, the error that the paper itself calls acceptable",
-        )
-        notes = (
-            "; ".join(f"{number} {kind}" for kind, number in self.counts().items()),
-            *(rules if ruled else ()),
-            *(f"not checked: {name}: {why}" for name, why in self.unchecked.items()),
-        )
+        if any(one.claim.check not in FORMS for one in self.found):
+            notes.append(
+                f"printed numbers agree within half a unit of their last digit "
+                f"({RULES.rounding:g}) and the measured uncertainty; two frequencies are the same "
+                f"within {RULES.agrees_percent:g} %; significant is more than "
+                f"{RULES.significant_percent:g} %, the error that the paper itself calls acceptable"
+            )
+        notes += [f"not checked: {name}: {why}" for name, why in self.unchecked.items()]
         rows = tuple(tuple(row[name] for name in columns) for row in self.records())
         heads = tuple("Verdict" if name == "kind" else name.capitalize() for name in columns)
-        return Table("Claims of the paper", heads, rows, notes)
+        return Table("Claims of the paper", heads, rows, tuple(notes))
 
     def sentences(self) -> list[str]:
         """Return how many statements there are of each verdict, then those that fail."""
-        counts = ", ".join(
-            f"{number} {verb(kind, number)}" for kind, number in self.counts().items()
-        )
+        counts = ", ".join(f"{n} {verb(kind, n)}" for kind, n in self.counts().items())
         return [f"Of {len(self.found)} statements of the paper: {counts}."] + [
-            f"{one.claim.id}: {one.verdict}." for one in self.found if one.kind == KINDS[-1]
+            f"{one.claim.id}: {one.verdict}." for one in self.found if one.kind == FAILS
         ]
 
     def rows(self) -> list[dict[str, Any]]:
@@ -127,6 +136,11 @@ class Claims(Result):
     def failures(self) -> dict[str, str]:
         """Return the claims that could not be checked, and why."""
         return dict(self.unchecked)
+
+
+def verb(kind: str, number: int) -> str:
+    """Return what so many claims of a kind do, in words."""
+    return kind if number == 1 else MANY.get(kind, kind)
 
 
 def find(claim: Claim, facts: Facts) -> Finding:
@@ -151,6 +165,16 @@ def judge(chosen: Iterable[Claim], facts: Facts) -> Claims:
         except (UnavailableError, UnmeasuredError) as error:
             unchecked[claim.id] = str(error)
     return Claims(tuple(found), unchecked, tuple(facts.solved))
+
+
+def select(ids: Sequence[str], claims: Sequence[Claim]) -> list[Claim]:
+    """Return the claims called `ids`, in their own order, or raise `InputError`."""
+    known = {claim.id for claim in claims}
+    for name in ids:
+        if name not in known:
+            expected = f"one of the {len(known)} ids that `rps-bench claims` lists"
+            raise InputError("only", name, expected)
+    return [claim for claim in claims if claim.id in ids]
 
 
 def run(request: Request, bench: Bench) -> Claims:

@@ -4,13 +4,10 @@ Neither holds what an interpreter adds, so that a compiled language changes no v
 that says cheaper and not by how much is judged by the sign of the difference.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from harness.signatures import Array
-from harness.studies.claims.data import Args, Outcome, outcome
-from harness.studies.claims.facts import PAPER, Facts, Spent
+from harness.studies.claims.facts import PAPER, Args, Facts, Outcome, outcome
 
 RIVALS = {
     "saddle-point": "keeps its multipliers as unknowns",
@@ -20,55 +17,48 @@ RIVALS = {
 
 def _quartiles(values: Array, unit: str) -> tuple[float, str]:
     """Return the median, and in words the quartiles."""
-    low, middle, high = (float(v) for v in np.percentile(values, [25, 50, 75]))
+    low, middle, high = np.percentile(values, [25, 50, 75]).tolist()
     return middle, f"{low:.4g} to {high:.4g}{unit} (quartiles of {len(values)} rounds)"
 
 
-def _ratios(times: Mapping[str, Spent]) -> tuple[dict[str, float], str]:
-    """Return how many times as long as the theory each kind of finite elements takes.
+def _saving(facts: Facts) -> str:
+    """Return "slower" unless the theory saves against one kind of finite elements.
 
-    And which verdict follows: "slower" unless the theory saves seconds, those of the eigen-solution
-    and coordinates against one of them.
+    Seconds, those of the eigen-solution, and coordinates.
     """
-    own, *others = times.values()
+    own, *others = facts.fea_times.values()
     saving = any(all(np.median(ratio) < 1 for ratio in own.over(rival)) for rival in others)
-    middle = {label: float(np.median(spent.seconds)) for label, spent in times.items()}
-    first, *rest = middle
-    ratios = {label: middle[label] / middle[first] for label in rest}
-    return ratios, "otherwise" if saving else "slower"
+    return "otherwise" if saving else "slower"
 
 
 def seconds(facts: Facts, args: Args) -> Outcome:
     """Does a pose take the printed time? No agreement of two machines would be more than chance."""
-    times, quantity = facts.fea_times, args["quantity"]
-    label = list(times)[["theoretical model", "finite-element model"].index(quantity)]
-    spent = times[label]
+    quantity = args["quantity"]
+    k = ["theoretical model", "finite-element model"].index(quantity)
+    label, spent = list(facts.fea_times.items())[k]
     middle, quartiles = _quartiles(spent.seconds, " s")
-    share = 100 * middle / facts.printed.cost[quantity]
-    said = {"label": label, "quartiles": quartiles, "share": share, "work": spent.work}
-    solve = float(np.median(spent.solves))
-    return outcome(False, _ratios(times)[1], middle=middle, solve=solve, **said)
+    said = {"share": 100 * middle / facts.printed.cost[quantity], "solve": np.median(spent.solves)}
+    said |= {"label": label, "middle": middle, "quartiles": quartiles, "work": spent.work}
+    return outcome(False, _saving(facts), **said)
 
 
 def saved(facts: Facts, args: Args) -> Outcome:
     """Against which finite elements is as much saved? The printed ones are not known."""
-    times = facts.fea_times
-    ratios, verdict = _ratios(times)
-    words, bounds = [], []
-    for label in ratios:
-        whole, solve, work = times[PAPER.label].over(times[label])
+    own, words, bounds, rough = facts.fea_times[PAPER.label], [], [], []
+    for label, rival in list(facts.fea_times.items())[1:]:
+        whole, solve, work = own.over(rival)
         middle, quartiles = _quartiles(100 * (1 - whole), " %")
         words.append(
             f"{middle:.4g} % against {label} ({100 * (1 - np.median(solve)):.4g} % of the seconds "
             f"of its eigen-solution, which has {1 / work:.3g} times the coordinates)"
         )
         bounds.append(quartiles if len(whole) > 1 else "timed once")
-    # One digit: the next is the machine's.
-    rough = ", ".join(f"{k} takes about {float(f'{v:.1g}'):g} times" for k, v in ratios.items())
+        # One digit: the next is the machine's.
+        times = float(f"{np.median(rival.seconds) / np.median(own.seconds):.1g}")
+        rough.append(f"{label} takes about {times:g} times")
     needed = 1 / (1 - facts.printed.cost["cost saved"] / 100)
-    return outcome(
-        False, verdict, words="; ".join(words), bounds="; ".join(bounds), needed=needed, rough=rough
-    )
+    said = {"words": "; ".join(words), "bounds": "; ".join(bounds), "rough": ", ".join(rough)}
+    return outcome(False, _saving(facts), needed=needed, **said)
 
 
 def faster(facts: Facts, args: Args) -> Outcome:
@@ -89,9 +79,6 @@ def faster(facts: Facts, args: Args) -> Outcome:
         if not cheaper.all():
             at = ", ".join(map(str, sizes[cheaper]))
             where.append(f"the rival that {what} " + (f"has s = {at}" if at else "is left out"))
-    return outcome(
-        not where,
-        "neither" if all(against) else "otherwise",
-        words=f"at s = {sizes[0]} to {sizes[-1]}, " + "; ".join(words),
-        where=" and ".join(where),
-    )
+    said = {"words": f"at s = {sizes[0]} to {sizes[-1]}, {'; '.join(words)}"}
+    otherwise = "neither" if all(against) else "otherwise"
+    return outcome(not where, otherwise, where=" and ".join(where), **said)

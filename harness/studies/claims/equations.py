@@ -7,10 +7,16 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse
 from scipy.spatial.transform import Rotation
 
 from analytic import Mechanism, Multipliers, Platform, Pose, Substructure, limbs_at
-from analytic.substructure import independent_coordinates, limb_selection, rigid_arm
+from analytic.substructure import (
+    independent_coordinates,
+    limb_selection,
+    platform_selection,
+    rigid_arm,
+)
 from harness.case import Case
 from harness.signatures import Array
 
@@ -70,9 +76,8 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
     # Eq. (3), limb by limb: (poses, n, 3).
     vectors = o[:, None] + np.einsum("pjk,ik->pij", R, mechanism.platform_points) - mechanism.bases
     lengths = np.linalg.norm(vectors, axis=-1)
-    level = np.zeros(1)
-    phi_alone = Rotation.from_matrix(formulas.rotation(level + PHI, level)[0])
-    theta = Rotation.from_matrix(formulas.rotation(level, level + THETA)[0]).as_rotvec()
+    turns = formulas.rotation(np.array([PHI, 0.0]), np.array([0.0, THETA]))
+    alone, theta = Rotation.from_matrix(turns).as_rotvec()
     headings = np.radians(np.arange(0, 360, 5))
     # The revolute axis is y of the limb's frame R_i: (headings, poses, n, 3).
     axes = np.array(
@@ -80,12 +85,12 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
     )
     density = mechanism.limbs[0].rod.material.density
     plate = formulas.platform(r2, formulas.thickness, density)
-    opened, apart = zip(*(_against_multipliers(case) for case in cases), strict=True)
+    opened, apart, clamped = zip(*(_against_multipliers(case) for case in cases), strict=True)
     orthogonal, right = R.transpose(0, 2, 1) @ R - np.eye(3), np.linalg.det(R) - 1
     return SimpleNamespace(
         # Largest of |R^T R - 1| and |det R - 1|, Eq. (1).
         rotation=float(max(np.abs(orthogonal).max(), np.abs(right).max())),
-        phi_alone=float(phi_alone.magnitude()),  # how far R turns for PHI alone [rad]
+        phi_alone=float(np.linalg.norm(alone)),  # how far R turns for PHI alone [rad]
         # Angle of R's axis from x for THETA alone [rad].
         theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
         # Largest distance of an A_i from its joint's plane, Eq. (2) [m].
@@ -105,7 +110,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
         multipliers_apart=max(apart),  # relative difference of f1-f6 from those with multipliers
         multipliers=Multipliers(3).matrices(mechanism, cases[0].pose)[2].shape[0],
         # Relative change of f1-f6 by case if Phi_Bi = 0.
-        base_clamped={case.name: _base_clamped(case) for case in cases},
+        base_clamped={case.name: f for case, f in zip(cases, clamped, strict=True)},
         # The printed platform's Jx, Jy, Jz over its mass [m^2].
         moments=np.diag(np.array(plate.inertia)) / plate.mass,
         thickness=formulas.thickness,  # h [m]
@@ -138,29 +143,24 @@ def _sizes(case: Case, s: int) -> tuple[int, int, int, int]:
     return rod, K.shape[0], rank, Substructure(s).matrices(case.mechanism, case.pose)[0].shape[0]
 
 
-def _against_multipliers(case: Case) -> tuple[float, float]:
-    """Return how far modes of Eq. (22) open the joints, and f1-f6 from those with multipliers."""
+def _against_multipliers(case: Case) -> tuple[float, float, Array]:
+    """Return how far modes of Eq. (22) open the joints, f1-f6 from those with multipliers.
+
+    And the relative change of f1-f6 when Phi_Bi = 0 as well.
+    """
     robot, s, n = case.mechanism, 3, len(case.mechanism.limbs)
     K, M = (A.toarray() for A in Substructure(s).matrices(robot, case.pose))
     squares, U = scipy.linalg.eigh(K, M, subset_by_index=(0, 5))
-    expanded = independent_coordinates(robot.axes, s) @ U
     arms = limbs_at(robot, case.pose).arms
-    nodes = [limb_selection(i, n, s, arm) @ expanded for i, arm in enumerate(arms)]
-    u = np.concatenate([*nodes, expanded[-6:]])
+    H = [limb_selection(i, n, s, arm) for i, arm in enumerate(arms)]
+    u = scipy.sparse.vstack([*H, platform_selection(n, s)])
+    u = u @ (independent_coordinates(robot.axes, s) @ U)
     C = Multipliers(s).matrices(robot, case.pose)[2]
     opened = np.abs(C @ u).max(axis=0) / np.abs(u).max(axis=0)
     rival = Multipliers(s, solver="saddle-point").modes(robot, case.pose, 6).frequencies
     own = np.sqrt(squares) / (2 * np.pi)
-    return float(opened.max()), float(np.abs(own / rival - 1).max())
-
-
-def _base_clamped(case: Case) -> Array:
-    """Return the relative change of f1-f6 when Phi_Bi = 0 as well."""
-    s, n = 3, len(case.mechanism.limbs)
-    K, M = (A.toarray() for A in Substructure(s).matrices(case.mechanism, case.pose))
-    kept = np.setdiff1d(np.arange(len(K)), (6 * s - 2) * np.arange(n))
-    free, clamped = (
-        scipy.linalg.eigh(K[np.ix_(i, i)], M[np.ix_(i, i)], subset_by_index=(0, 5))[0]
-        for i in (np.arange(len(K)), kept)
-    )
-    return np.asarray(np.sqrt(clamped / free) - 1)
+    kept = np.delete(np.arange(len(K)), (6 * s - 2) * np.arange(n))
+    less = np.ix_(kept, kept)
+    clamped = scipy.linalg.eigh(K[less], M[less], eigvals_only=True, subset_by_index=(0, 5))
+    changes = np.sqrt(clamped / squares) - 1
+    return float(opened.max()), float(np.abs(own / rival - 1).max()), np.asarray(changes)

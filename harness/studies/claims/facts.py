@@ -18,10 +18,9 @@ from harness.case import Case
 from harness.cases import PRESETS
 from harness.causes import THEORIES as NAMES
 from harness.compare import match
-from harness.paper import TABLE_ONE
+from harness.paper import TABLE_ONE, Paper
 from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, PAPER_MODEL, STAND_IN, solid_truth
 from harness.signatures import Array
-from harness.studies.claims.data import CASES, TABLE, checked
 from harness.studies.claims.equations import equations
 from harness.studies.cost.work import FORMULATIONS, counted
 from harness.studies.precision import SOLVERS, timed_rows
@@ -32,6 +31,13 @@ from harness.studies.workspace.map import Region, solve
 from harness.timing import Timed, Way, time_ways
 from reference_models import Named, UnavailableError, parse
 
+Args = Mapping[str, Any]
+Outcome = tuple[str, dict[str, Any]]
+"""Which verdict of findings.toml is true, and what its words are filled in with."""
+HOLDS = "holds"
+CASES = ("case1", "case2")
+"""The two of Table I."""
+TABLE = tuple(PRESETS[name] for name in CASES)
 PAPER = PAPER_MODEL
 THEORIES = tuple(Named(name, None) for name in NAMES)
 EXACT, _, TIMOSHENKO = THEORIES
@@ -45,6 +51,21 @@ THINNEST = 0.02
 LIMIT_ANGLES = (30.0, 45.0, 60.0)
 HEIGHTS = 801
 """Heights of the scan for one that gives both rows of Table I."""
+
+
+def checked() -> Paper:
+    """Return the paper that this bench is about."""
+    assert TABLE[0].paper is not None, "it is one of its cases"
+    return TABLE[0].paper
+
+
+RULES: Any = SimpleNamespace(**checked().toml("claims.toml")["rules"])
+"""The thresholds of all checks; see claims.toml, [rules]."""
+
+
+def outcome(holds: Any, otherwise: str = "otherwise", **values: Any) -> Outcome:
+    """Return that a statement holds, or which of its verdicts is true `otherwise`."""
+    return HOLDS if holds else otherwise, values
 
 
 class UnmeasuredError(RuntimeError):
@@ -72,13 +93,19 @@ class Spent:
     solves: Array
     work: float
 
+    @classmethod
+    def of(cls, timed: Timed, work: float) -> "Spent":
+        """Return what a way took in every round."""
+        return cls(timed.each("seconds"), timed.each("solve"), float(work))
+
     def over(self, other: "Spent") -> tuple[Array, Array, float]:
         """Return ratios to another: of seconds and of solves, call by call, and of work."""
-        parts = []
-        for own, its in ((self.seconds, other.seconds), (self.solves, other.solves)):
-            calls = min(len(own), len(its))
-            parts.append(own[-calls:] / its[-calls:])
-        return parts[0], parts[1], self.work / other.work
+        calls = -min(len(self.seconds), len(other.seconds))
+        seconds, solves = (
+            getattr(self, name)[calls:] / getattr(other, name)[calls:]
+            for name in ("seconds", "solves")
+        )
+        return seconds, solves, self.work / other.work
 
 
 class Facts:
@@ -95,7 +122,7 @@ class Facts:
 
     def but(self, **given: Any) -> "Facts":
         """Return these facts with others in the place of some."""
-        return Facts(**(vars(self) | {"solved": self.solved} | given))
+        return Facts(**(vars(self) | given))
 
     @cached_property
     def printed(self) -> Any:
@@ -114,8 +141,8 @@ class Facts:
         if reasons := "; ".join(dict.fromkeys(failures)):
             raise UnmeasuredError(reasons)
 
-    def _run(self, cases: Sequence[Case], models: Sequence[Named]) -> Study:
-        return self._kept(self.bench.run(cases, models, MODES))
+    def _run(self, cases: Sequence[Case], models: Sequence[Named], count: int = MODES) -> Study:
+        return self._kept(self.bench.run(cases, models, count))
 
     def _kept(self, study: Study) -> Study:
         self.solved += study.rows()
@@ -124,8 +151,7 @@ class Facts:
 
     def solved_for(self, case: Case, model: Named, count: int) -> Array:
         """Return the first frequencies of a model at a case [Hz], (count,)."""
-        study = self._kept(self.bench.run([case], [model], count))
-        return study.answers[case, model].frequencies[:count]
+        return self._run([case], [model], count).answers[case, model].frequencies[:count]
 
     def _paired(self, study: Study, case: Case, model: Named) -> tuple[Array, Array]:
         """Return f1-f6 and their uncertainty [Hz] in the order of the paper's modes."""
@@ -167,8 +193,7 @@ class Facts:
         study = self._run(self.cases, [PAPER, *models])
         hertz = {(c.name, m): self._paired(study, c, m)[0] for c in self.cases for m in models}
         for case in PRESETS.values():
-            own = self._run([case], [case.theory]).answers[case, case.theory].frequencies[:MODES]
-            hertz.setdefault((case.name, case.theory), own)
+            hertz.setdefault((case.name, case.theory), self.solved_for(case, case.theory, MODES))
         return hertz
 
     @cached_property
@@ -202,9 +227,11 @@ class Facts:
         `frequencies`: largest relative difference of f1-f6 over the cases, (n, 6) [%]; `stiffness`:
         that of the platform's static stiffness, (n,) [%].
         """
-        lengths = [limbs_at(c.mechanism, c.pose).lengths.mean() for c in self.cases]
-        printed = (c.mechanism.limbs[0].rod.diameter for c in self.cases)
-        most = max(d / L for d, L in zip(printed, lengths, strict=True))
+        most = max(
+            case.mechanism.limbs[0].rod.diameter
+            / limbs_at(case.mechanism, case.pose).lengths.mean()
+            for case in self.cases
+        )
         ratios = np.geomspace(THINNEST, most, 6)
         shown = range(1, MODES + 1)
         result = slenderness(self.cases, ratios.tolist(), [EXACT], TIMOSHENKO, shown, self.bench)
@@ -237,12 +264,11 @@ class Facts:
         kinds = {"paper": PAPER} | {
             solver: Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS
         }
-        ways = {(k, s): replace(kinds[k], elements=s) for s in COST_STEPS for k in FORMULATIONS}
+        ways = [(name, s) for s in COST_STEPS for name in FORMULATIONS]
+        timed = self._timed([replace(kinds[name], elements=s) for name, s in ways])
         found: dict[str, dict[int, Spent]] = {name: {} for name in FORMULATIONS}
-        for (name, s), one in zip(ways, self._timed(list(ways.values())), strict=True):
-            found[name][s] = Spent(
-                one.each("seconds"), one.each("solve"), counted(name, s, self.cases[-1]).flops
-            )
+        for (name, s), one in zip(ways, timed, strict=True):
+            found[name][s] = Spent.of(one, counted(name, s, self.cases[-1]).flops)
         return found
 
     @cached_property
@@ -253,16 +279,13 @@ class Facts:
         of the paper's way are what it solves for.
         """
         models = [PAPER, parse(STAND_IN, "reference")]
-        found = {
-            model.label: Spent(one.each("seconds"), one.each("solve"), float(one.dofs or 0))
-            for model, one in zip(models, self._timed(models), strict=True)
-        }
+        timed = zip(models, self._timed(models), strict=True)
+        found = {model.label: Spent.of(one, one.dofs or 0) for model, one in timed}
         solid, case = solid_truth(), self.cases[-1]
         if solid is not None:
             study = self.bench.run([case], [solid], MODES)
             self.solved += study.rows()
-            modes = study.get(case, solid)
-            if modes is not None:
+            if modes := study.get(case, solid):
                 whole, solve = np.array([modes.seconds]), np.array([modes.solve_seconds])
                 found[solid.label] = Spent(whole, solve, float(modes.dofs))
         return found
@@ -275,8 +298,7 @@ class Facts:
         data = whole(region, PAPER, 3, self.bench)
         self._sound(data.answers.failures.values())
         self.solved += data.rows()
-        change, _ = rises(data)
-        volumes = {}
+        change, volumes = rises(data)[0], {}
         for angle in LIMIT_ANGLES:
             held = Limits(spherical_max=np.radians(angle), revolute_max=np.radians(angle))
             there = region if held == limits else Region.of(mechanism, held)

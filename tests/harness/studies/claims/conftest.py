@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.paper import Claim
-from harness.studies.claims import find
-from harness.studies.claims.data import CANNOT, CASES, FAILS, HOLDS, ONLY_IF
-from harness.studies.claims.facts import COST_STEPS, PAPER, Facts, Reference, Spent
+from harness.studies.claims import CANNOT, FAILS, ONLY_IF, find
+from harness.studies.claims.facts import CASES, COST_STEPS, HOLDS, PAPER, Facts, Reference, Spent
 from harness.studies.cost.work import counted
 
 SIMULATED = {

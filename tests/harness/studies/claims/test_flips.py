@@ -12,12 +12,11 @@ from analytic import Mechanism, Platform
 from analytic.substructure import rigid_arm
 from harness.cases import PRESETS
 from harness.paper import FORMS, Claim
-from harness.studies.claims import CHECKS, find
+from harness.studies.claims import CHECKS, FAILS, KINDS, WORDS, find
 from harness.studies.claims import equations as claims_equations
 from harness.studies.claims.check_cost import faster
-from harness.studies.claims.data import CASES, FAILS, KINDS, TABLE, WORDS, checked
 from harness.studies.claims.equations import Formulas, equations, printed_position, printed_rotation
-from harness.studies.claims.facts import PAPER, Facts, Reference, Spent
+from harness.studies.claims.facts import CASES, PAPER, TABLE, Facts, Reference, Spent, checked
 
 SLOW_THEORY = {
     label: Spent(np.full(3, seconds), np.full(3, seconds), coordinates)

@@ -13,9 +13,15 @@ from harness.cases import PRESETS
 from harness.paper import Claim
 from harness.plan import Plan
 from harness.studies import claims as study
-from harness.studies.claims import Claims, facts, judge
-from harness.studies.claims.data import CASES, checked, select
-from harness.studies.claims.facts import COST_STEPS, PAPER, Facts, UnmeasuredError
+from harness.studies.claims import Claims, facts, judge, select
+from harness.studies.claims.facts import (
+    CASES,
+    COST_STEPS,
+    PAPER,
+    Facts,
+    UnmeasuredError,
+    checked,
+)
 from harness.studies.cost.work import counted
 from harness.text import request
 from reference_models import Named

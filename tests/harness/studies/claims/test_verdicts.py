@@ -11,18 +11,18 @@ from analytic import Material, Mechanism, Platform, Rod
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.paper import Claim
-from harness.studies.claims import find, judge
-from harness.studies.claims.data import (
-    CANNOT,
+from harness.studies.claims import CANNOT, FAILS, ONLY_IF, Finding, find, judge
+from harness.studies.claims.facts import (
     CASES,
-    FAILS,
+    COST_STEPS,
     HOLDS,
-    ONLY_IF,
+    PAPER,
     RULES,
-    Finding,
+    Facts,
+    Reference,
+    Spent,
     checked,
 )
-from harness.studies.claims.facts import COST_STEPS, PAPER, Facts, Reference, Spent
 
 ASKED = checked().claims
 BY_ID = {claim.id: claim for claim in ASKED}
