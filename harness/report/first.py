@@ -1,35 +1,56 @@
-"""The first screen: what was checked, against what, what was found, and the gate's last answer."""
+"""The first screen: what was checked, against what, what was found, and the gate's last answer.
 
+Its pictures need no script: the mechanism at a pose, and Fig. 3.
+"""
+
+import re
+from base64 import b64encode
 from collections import Counter
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from harness.bench import label
-from harness.report import pictures
+from harness.drawing import drawn
+from harness.figures import COLOURS, own_style, picture
 from harness.report.material import Material
 from harness.report.section import Json, Section, shown
-from harness.report.studies import VERDICTS, verdicts
+from harness.report.sections import VERDICTS, verdicts
+from harness.signatures import Figure
 from harness.studies.claims import verb
-from harness.studies.convergence import Convergence
+from harness.studies.convergence import Convergence, convergence_figure
+from harness.studies.shapes import KEY, rest_figure
 from harness.studies.table import TableOne, against_print, causes
 from harness.tables import Table
 
-KEY = "result"
 CITED = ("authors", "title", "source", "year", "url")
 """What is said of the paper."""
 SHOWN = ("kind", "model", "case", "mode", "quantity", "before", "after", "tolerance", "verdict",
          "cause")  # fmt: skip
 """What of a finding of the gate is shown, if it has it."""
+PANELS = 2
+"""Cases of Fig. 3 that the first screen has room for."""
+
+INKS = {colour.lower(): f"var(--m{mode})" for mode, colour in enumerate(COLOURS, 1)} | {
+    "#ffffff": "var(--paper)", "#b0b0b0": "var(--faint)", "#cccccc": "var(--rule)",
+}  # fmt: skip
+"""What the page calls the colours of curves, of ground, grid and frame, light or dark."""
 
 
-def section(run: Material) -> Section:
+def first(run: Material) -> Section:
     """Return the section; the gate's answer, `gate`, is put in when the page is made."""
     cases = run.plan.cases
-    table = next(iter(run.of(TableOne)), None)
+    table = run.one(TableOne)
     papers = [vars(case.paper) for case in cases if case.paper and case.published]
     ours = any(case.prints_errors for case in cases)
     names = ", ".join(case.name for case in cases)
     what = "A published model of the 3-RPS manipulator" if ours else f"{names}: natural frequencies"
     fig3 = next((one for one in run.of(Convergence) if not one.same_theory), None)
+    chains = dict.fromkeys(limb.described for limb in cases[0].mechanism.limbs)
+    plain = drawn(cases[0].mechanism, cases[0].pose).plain
+    with own_style():
+        rest = b64encode(picture(rest_figure(cases[0]), "png")).decode()
     counts = Counter(one["kind"] for one in verdicts(run))
     context = {
         "paper": {name: papers[0][name] for name in CITED} if papers else None,
@@ -41,11 +62,16 @@ def section(run: Material) -> Section:
             for n in VERDICTS
             if counts[n]
         ],
-        "mechanism": pictures.mechanism(cases[0]),
-        "fig3": pictures.fig3(fig3) if fig3 else None,
+        "mechanism": {
+            "picture": f"data:image/png;base64,{rest}",
+            "chains": "" if plain else " and ".join(chains),
+            "key": "" if plain else KEY,
+            "caption": cases[0].heading,
+        },
+        "fig3": _fig3(fig3) if fig3 else None,
         "gate": None,
     }
-    return Section(KEY, "The result", "Result", run.command, context)
+    return Section(context)
 
 
 def _finding(table: TableOne) -> list[Json]:
@@ -93,9 +119,10 @@ def gate(check: dict[str, Any] | None) -> Json | None:
     if check is None:
         return None
     findings = [one for one in check.get("findings", []) if isinstance(one, dict)]
-    names = [n for n in SHOWN if any(one.get(n) not in (None, "") for one in findings)]
+    texts = [{name: _short(one.get(name)) for name in SHOWN} for one in findings]
+    names = [name for name in SHOWN if any(text[name] for text in texts)]
     status = str(check.get("status", "not said"))
-    rows = tuple(tuple(_short(one.get(name)) for name in names) for one in findings)
+    rows = tuple(tuple(text[name] for name in names) for text in texts)
     table = Table("Findings of the gate against what was accepted", tuple(names), rows)
     return {
         "status": status,
@@ -110,3 +137,27 @@ def _short(value: Any) -> str:
     if value is None:
         return ""
     return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _fig3(found: Convergence) -> Json:
+    """Return Fig. 3 of a result, a picture for each of its first few cases, and its caption."""
+    cases = [case for case, off in found.errors.items() if np.isfinite(off).any()]
+    pictures, limit = [], found.theory.limit()
+    for k, case in enumerate(cases[:PANELS]):
+        with own_style():
+            figure = convergence_figure(replace(found, study=replace(found.study, cases=(case,))))
+            figure.set_size_inches(4.4, 3.7)
+            figure.suptitle("")  # the caption says it
+            figure.axes[0].set_title(case.heading)
+        pictures.append({"title": case.heading, "picture": _inline(figure, f"panel{k}")})
+    title = f"{found.theory.name} with s elements a limb against {found.reference.label}"
+    return {"panels": pictures, "title": title, "limit": limit and limit.label}
+
+
+def _inline(figure: Figure, name: str) -> str:
+    """Return a figure as SVG in the page's colours, all ids beginning with `name`."""
+    drawing = picture(figure, "svg").decode()
+    drawing = re.sub(r'(id="|"#|\(#)', rf"\g<1>{name}-", drawing[drawing.index("<svg") :])
+    for colour, own in INKS.items():
+        drawing = drawing.replace(colour, own)
+    return drawing.replace("*{", ".drawn *{")

@@ -1,6 +1,6 @@
 """History: what every recorded run gave and took, compactly; first the series that moved."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from typing import Any
 
@@ -13,8 +13,6 @@ from harness.report.recorded import ABOUT_RUN, Recorded, Rows
 from harness.report.section import Json, Section, digits
 from harness.rows import mechanism_hash
 
-KEY = "history"
-ABOUT = KEY, "History: what moved between runs", "History", "rps-bench history"
 YARDSTICK = "yardstick"
 """The gate's model that only says how fast the machine was."""
 MOST_SERIES = 2000
@@ -35,7 +33,7 @@ def section(recorded: Recorded) -> Section:
     """Return the section."""
     if not recorded.runs:
         missing = "every run records itself: `rps-bench table`, say, makes this section"
-        return Section(*ABOUT, missing=missing)
+        return Section(missing=missing)
     points = [row for row in recorded.points if row["model"] != YARDSTICK]
     named = {row["run"] for row in points}
     runs = [row for row in recorded.runs if row["run"] in named]
@@ -81,7 +79,7 @@ def section(recorded: Recorded) -> Section:
         "all_sweeps": len(recorded.sweeps),
         "skipped": [list(one) for one in recorded.skipped],
     }
-    return Section(*ABOUT, context, data if series else None)
+    return Section(context, data if series else None)
 
 
 def _told_apart(points: Rows) -> list[str]:
@@ -90,26 +88,23 @@ def _told_apart(points: Rows) -> list[str]:
     That is how it was solved, and a mechanism or a pose that is not the case's own; nothing for
     what is usual.
     """
-    mechanisms, poses = defaultdict(set), defaultdict(set)
     keys = [
         (row["case"], variant(row["settings"]), row["mechanism"], tuple(row[n] for n in COLUMNS))
         for row in points
     ]
-    for case, said, mechanism, pose in keys:
-        mechanisms[case, said].add(mechanism)
-        poses[case, said, mechanism].add(pose)
+    known = set(keys)
+    mechanisms = Counter((case, said) for case, said, _ in {key[:3] for key in known})
+    poses = Counter(key[:3] for key in known)
     words = {}
-    for case, said, mechanism, pose in set(keys):
-        home = PRESETS.get(case)
-        found = [said]
-        if len(mechanisms[case, said]) > 1 and (
-            home is None or mechanism != mechanism_hash(home.mechanism)
-        ):
+    for key in known:
+        case, said, mechanism, pose = key
+        home, found = PRESETS.get(case), [said]
+        usual = (mechanism_hash(home.mechanism), (*columns(home.pose).values(),)) if home else ()
+        if mechanisms[case, said] > 1 and mechanism not in usual:
             found.append(f"mechanism {mechanism}")
-        usual = home and tuple(columns(home.pose).values())
-        if len(poses[case, said, mechanism]) > 1 and pose != usual:
+        if poses[key[:3]] > 1 and pose not in usual:
             found.append(at(dict(zip(COLUMNS, pose, strict=True))))
-        words[case, said, mechanism, pose] = ", ".join(filter(None, found))
+        words[key] = ", ".join(filter(None, found))
     return [words[key] for key in keys]
 
 

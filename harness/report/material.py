@@ -11,10 +11,11 @@ from analytic.model import Model
 from harness.bench import SPARE, Study, label
 from harness.case import Case
 from harness.plan import Plan
-from harness.report.ledger import Ledger, answer, environment
+from harness.report.ledger import Fields, Ledger, answer, environment
 from harness.reproduce import Part
 from harness.result import Result
 from harness.rows import mode_rows, settings
+from harness.studies import find
 from reference_models import Named
 
 R = TypeVar("R", bound=Result)
@@ -44,13 +45,22 @@ class Material:
         """Return the results of one type."""
         return [result for result in self.results if isinstance(result, kind)]
 
+    def one(self, kind: type[R]) -> R | None:
+        """Return the first result of one type, or None."""
+        return next(iter(self.of(kind)), None)
+
     def only(self, name: str) -> str:
         """Return the command that makes the study called `name` of this run again."""
         return f"{self.command} --only {name}"
 
-    def part(self, name: str) -> Part | None:
-        """Return what the study called `name` made, or None where it was not asked."""
-        return next((part for part in self.parts if part.entry.name == name), None)
+    def part(self, name: str) -> Part:
+        """Return what the study called `name` made: nothing where it was not asked."""
+        known = (part for part in self.parts if part.entry.name == name)
+        return next(known, Part(find(name), {}))
+
+    def note(self, title: str, fields: Fields, *parts: int | None) -> int:
+        """Return the record of what was made of the records `parts`, by default of this run's."""
+        return self.ledger.add(title, fields, parts or [self.run])
 
     @property
     def answers(self) -> Mapping[tuple[Case, Model], Modes]:
@@ -113,7 +123,7 @@ class Material:
             **answer(rows),
             "Command": f"rps-bench table {file}--cases {case.name} --references '{label(model)}'",
         }
-        return self.ledger.add(f"{label(model)} at {case.name}", fields, [self.run])
+        return self.note(f"{label(model)} at {case.name}", fields)
 
     @cached_property
     def run(self) -> int:

@@ -6,8 +6,9 @@ and the gate's last answer, without solving anything.
 
 import json
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from gzip import compress
 from hashlib import sha256
 from pathlib import Path
@@ -18,21 +19,40 @@ from plotly.offline import get_plotlyjs
 
 from analytic import InputError, __version__
 from harness.plan import Plan
-from harness.report import fig3, first, history, maps, shapes, studies, table_one
+from harness.report import first, history, maps, sections
 from harness.report.ledger import Ledger
 from harness.report.material import Material
 from harness.report.recorded import MOST_NUMBERS, read_recorded
 from harness.report.section import Json, Section
 from harness.reproduce import Part
+from harness.studies import find
 
 PAGE, FILE, CHECK = "index.html", "page.json", "check.json"
 FORMAT, VERSION = "rps-bench page", 2
-MAKERS = (studies.claims, table_one.section, fig3.section, studies.budget, studies.work,
-          shapes.section, studies.provenance)  # fmt: skip
-"""What makes the sections that are made of the run alone."""
-ORDER = (first.KEY, "claims", "table1", "fig3", "budget", "work-precision", maps.KEY, "shapes",
-         *studies.OTHERS, history.KEY, "provenance")  # fmt: skip
 COMMAND = "rps-bench reproduce"
+OTHERS = {
+    "refine": "Limits", "slenderness": "Slenderness", "stiffness": "Stiffness", "cost": "Cost",
+    "identify": "Identification",
+}  # fmt: skip
+"""Studies without a picture of their own, and what the navigation calls them."""
+SECTIONS: dict[str, tuple[str, str, str, Callable[[Material], Section | None] | None]] = {
+    "result": ("The result", "Result", "", first.first),
+    "claims": ("The paper's claims, one by one", "Claims", "claims", sections.claims),
+    "table1": ("Table I: natural frequencies", "Table I", "table", sections.table_one),
+    "fig3": ("Fig. 3: error against the number of elements", "Fig. 3", "convergence,table",
+             sections.fig3),
+    "budget": ("Error budget", "Budget", "budget", sections.budget),
+    "work-precision": ("Work and precision", "Precision", "work-precision", sections.precision),
+    "workspace": ("Workspace: frequencies over the poses", "Workspace", "workspace", None),
+    "shapes": ("Mode shapes", "Shapes", "table,convergence,shapes", sections.shapes),
+    **{name: (find(name).title, menu, name, partial(sections.other, name=name))
+       for name, menu in OTHERS.items()},
+    "history": ("History: what moved between runs", "History", "", None),
+    "provenance": ("Provenance: where the numbers come from", "Provenance", "",
+                   sections.provenance),
+}  # fmt: skip
+"""Title, name in the navigation, studies that make it ("": all of the run), and what makes it of
+the run alone."""
 
 
 def page_files(
@@ -61,16 +81,21 @@ def renewed(results: Path, history: Path | None) -> dict[str, bytes]:
 def content(plan: Plan, parts: Sequence[Part], command: str = COMMAND) -> Json:
     """Return what the page says of a run, in the form of page.json."""
     run = Material(plan, tuple(parts), command)
-    made = [make(run) for make in MAKERS] + [studies.other(run, name) for name in studies.OTHERS]
-    sections = {one.key: vars(one) for one in made if one is not None}
-    top = first.section(run)
-    sections[top.key] = vars(top)
+    made = {key: make(run) for key, (*_, make) in SECTIONS.items() if make}
     return {
         "format": FORMAT, "version": VERSION, "release": __version__, "command": command,
         "references": [one.name for one in plan.references],
         "made": [part.entry.name for part in parts if not part.why],
-        "sections": sections, "maps": maps.own(run), "ledger": run.ledger.records,
+        "sections": {key: vars(_headed(key, one, command)) for key, one in made.items() if one},
+        "maps": maps.own(run), "ledger": run.ledger.records,
     }  # fmt: skip
+
+
+def _headed(key: str, one: Section, command: str) -> Section:
+    """Return a section with its title and the command that makes it, where `command` makes all."""
+    title, menu, studies, _ = SECTIONS[key]
+    only = f"{command} --only {studies}" if studies else command
+    return replace(one, key=key, title=title, menu=menu, command=only)
 
 
 def load(results: Path) -> Json:
@@ -118,15 +143,15 @@ def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
     ledger = Ledger(kept["ledger"])
     room = MOST_NUMBERS - sum(len(one["rows"]) for one in (kept["maps"] or {"maps": []})["maps"])
     recorded = read_recorded(folder, room)
-    sections = {key: Section(**one) for key, one in kept["sections"].items()}
-    top = sections[first.KEY]
-    sections[first.KEY] = replace(top, context={**top.context, "gate": first.gate(check)})
+    shown = {key: Section(**one) for key, one in kept["sections"].items()}
+    top = shown["result"]
+    shown["result"] = replace(top, context={**top.context, "gate": first.gate(check)})
     if kept["maps"] or recorded.maps:
-        command = f"{kept['command']} --only workspace"
-        sections[maps.KEY] = maps.section(kept["maps"], recorded, ledger, command)
+        made = maps.section(kept["maps"], recorded, ledger, kept["command"])
+        shown["workspace"] = _headed("workspace", made, kept["command"])
     if folder is not None:
-        sections[history.KEY] = history.section(recorded)
-    return _html([sections[key] for key in ORDER if key in sections], ledger).encode()
+        shown["history"] = _headed("history", history.section(recorded), "rps-bench history")
+    return _html([shown[key] for key in SECTIONS if key in shown], ledger).encode()
 
 
 def _html(sections: Sequence[Section], ledger: Ledger) -> str:

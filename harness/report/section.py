@@ -15,18 +15,18 @@ Json = dict[str, Any]
 class Section:
     """One part of the page.
 
-    Attributes: `key`, its anchor and the name of its templates; `title`; `menu`, its title in the
-    navigation; `command`, what makes it; `context` for the template; `data` for its script;
-    `missing`, why there is nothing to show.
+    Attributes: `context` for its template; `data` for its script; `missing`, why there is nothing
+    to show; `key`, its anchor and the name of its templates; `title`; `menu`, its title in the
+    navigation; `command`, what makes it.
     """
 
-    key: str
-    title: str
-    menu: str
-    command: str
     context: Json = field(default_factory=dict)
     data: Any = None
     missing: str = ""
+    key: str = ""
+    title: str = ""
+    menu: str = ""
+    command: str = ""
 
 
 def number(text: str, full: str, what: str, record: int | None) -> Json | str:
