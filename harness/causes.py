@@ -1,7 +1,5 @@
 """What tells the causes of an error apart: exact models from a theory's own to the richest."""
 
-from itertools import pairwise
-
 from analytic.model import Model
 from reference_models import Named, accepted
 
@@ -9,7 +7,7 @@ THEORIES = ("euler-bernoulli", "rayleigh", "timoshenko")
 """Beam theories from the poorest to the richest; each adds one effect."""
 RICHEST = Named(THEORIES[-1], None)
 """The exact model of the richest of them."""
-EFFECTS = dict(zip(pairwise(THEORIES), ("rotary inertia", "shear"), strict=True))
+EFFECTS = ("rotary inertia", "shear")
 """What each theory adds to the one before it."""
 
 
@@ -32,4 +30,4 @@ def exact_chain(theory: Model) -> list[Named]:
 
 def effects(chain: list[Named]) -> list[str]:
     """Return what each model of an exact chain adds to the one before it."""
-    return [EFFECTS[a.name, b.name] for a, b in pairwise(chain)]
+    return list(EFFECTS[len(THEORIES) - len(chain) :])

@@ -3,10 +3,10 @@
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from analytic.model import Model
 from analytic.pairing import Pairing
@@ -22,10 +22,10 @@ PERCENT = 2
 """Decimals of an error in percent, as in Table I."""
 
 
-def relative_error(theory: Array, reference: Array) -> Array:
+def relative_error(theory: ArrayLike, reference: ArrayLike) -> Array:
     """Return 100 (theory / reference - 1) [%], the paper's "Error (%)"; NaN against 0 Hz."""
-    ours, against = np.asarray(theory, dtype=float), np.asarray(reference, dtype=float)
-    ratio = np.full(np.broadcast_shapes(ours.shape, against.shape), np.nan)
+    ours, against = np.broadcast_arrays(np.asarray(theory, dtype=float), reference)
+    ratio = np.full(ours.shape, np.nan)
     np.divide(ours, against, out=ratio, where=against != 0)
     return np.asarray(100 * (ratio - 1))
 
@@ -65,9 +65,8 @@ def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | 
     if pairing is None:
         return None
     ours, modes = (study.answers[case, model] for model in (theory, reference))
-    f, own = modes.frequencies, modes.uncertainty
+    f, own, place = modes.frequencies, modes.uncertainty, pairing.partner
     own = np.full(len(f), np.nan) if own is None else own
-    place = pairing.partner
     return Match(ours.frequencies[: study.count], f[place], own[place], pairing)
 
 
@@ -87,12 +86,12 @@ class AgainstElements(Result):
         return tuple(replace(self.theory, elements=s) for s in self.elements)
 
     @classmethod
-    def of(cls, request: Request, bench: Bench, models: Sequence[Named]) -> Self:
-        """Return it against the first reference, with `models` solved beside the two."""
+    def of(cls, request: Request, bench: Bench, models: Sequence[Named], **more: Any) -> Self:
+        """Return it against the first reference, `models` solved beside the two; `more` fields."""
         theory, reference = request.theory, request.references[0]
         meshes = [replace(theory, elements=s) for s in request.steps]
         study = bench.run(request.cases, [reference, *meshes, *models], request.count)
-        return cls(study, theory, reference, request.steps, request.shown)
+        return cls(study, theory, reference, request.steps, request.shown, **more)
 
 
 def errors(study: Study, theory: Model, reference: Model) -> Array:
@@ -135,20 +134,22 @@ def case_notes(cases: Sequence[Case]) -> list[str]:
 
 
 def pairing_notes(
-    study: Study, case: Case, theory: Model, reference: Model, shown: Sequence[int]
+    study: Study, case: Case, theory: Model, reference: Model, shown: Iterable[int]
 ) -> list[str]:
     """Return a sentence for every mode whose partner is not the one its order suggests."""
-    found, notes = match(study, case, theory, reference), []
-    if found is None:
+    pairing, notes = study.pairing(case, theory, reference), list[str]()
+    if pairing is None:
         return []
-    pairing = found.pairing
-    for i in (i for i in shown if found.odd[i - 1]):
-        other, end = "no mode", "its error is doubtful"
-        if pairing.reordered[i - 1]:
-            other, end = f"mode {pairing.partner[i - 1] + 1}", "paired by shape"
+    for k in (i - 1 for i in shown):
+        if pairing.reordered[k]:
+            other, end = f"mode {pairing.partner[k] + 1}", "paired by shape"
+        elif pairing.doubtful[k]:
+            other, end = "no mode", "its error is doubtful"
+        else:
+            continue
         notes.append(
-            f"{case.name}: mode {i} of {label(theory)} looks like {other} of {label(reference)} "
-            f"(assurance {pairing.assurance[i - 1]:.3f}): {end}"
+            f"{case.name}: mode {k + 1} of {label(theory)} looks like {other} of "
+            f"{label(reference)} (assurance {pairing.assurance[k]:.3f}): {end}"
         )
     return notes
 
@@ -164,20 +165,22 @@ def failure_notes(*studies: Study, of: Collection[Model] | None = None) -> list[
     return [f"{', '.join(who)} {what} {case}: {why}" for (what, case, why), who in found.items()]
 
 
-def kind(model: Model) -> str:
-    """Return what a table calls a reference: "Exact" without elements, else "FEA"."""
-    return "Exact" if model.elements is None else "FEA"
-
-
 def percent(value: float, bound: str = "") -> str:
     """Return a size [%] in words, two digits of it; `bound`: "at most " or "up to " before it."""
     return f"{bound}{value:.2g} %" if value >= 1e-3 else "less than 0.001 %"
 
 
-def span(values: Array, *, signed: bool = False) -> str:
+def largest(values: ArrayLike) -> float:
+    """Return the largest of `values` without its sign; NaN where none is known."""
+    known = np.abs(np.asarray(values, dtype=float))
+    return float(np.fmax.reduce(known, axis=None, initial=np.nan))
+
+
+def span(values: ArrayLike) -> str:
     """Return the range of some errors [%] in words; "not known" where there is none."""
-    known = np.asarray(values)[np.isfinite(values)]
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known)]
     if not known.size:
         return "not known"
-    low, high = (f"{value:{'+' if signed else ''}.2f}" for value in (known.min(), known.max()))
+    low, high = (f"{value:+.2f}" for value in (known.min(), known.max()))
     return f"{low} %" if low == high else f"{low} to {high} %"

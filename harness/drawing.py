@@ -13,8 +13,6 @@ AMPLITUDE = 0.2
 """Largest displacement drawn, relative to the mean limb length."""
 LINK = 0.012
 """Radius of a rigid link as it is drawn, relative to the mean limb length."""
-TURN, HEIGHT = np.radians(-60), np.radians(18)
-"""From where a mechanism is looked at: azimuth and elevation [rad]."""
 RING = np.linspace(0, 2 * np.pi, 33)
 """Angles of the corners of a rod's and of the platform's rim [rad]."""
 
@@ -54,8 +52,8 @@ class Drawn:
     bases: Array
     starts: Array
     tips: Array
-    spans: tuple[Span, ...]
-    marks: tuple[Mark, ...]
+    spans: list[Span]
+    marks: list[Mark]
     centre: Array
     axes: Array
     radius: float
@@ -78,13 +76,8 @@ class Drawn:
 
     def marked(self, lines: Array) -> Array:
         """Return where the marks are on the limbs' `lines` (n, stations, 3), (marks, 3)."""
-        return np.array([
-            at(lines[one.limb], np.array([one.place]))[0] + one.beside for one in self.marks
-        ]).reshape(-1, 3)  # fmt: skip
-
-    def rim(self) -> Array:
-        """Return the arms from the platform's centre to its rim, (33, 3)."""
-        return self.radius * np.stack([np.cos(RING), np.sin(RING)], axis=1) @ self.axes
+        found = [at(lines[one.limb], one.place) + one.beside for one in self.marks]
+        return np.array(found).reshape(-1, 3)
 
     def rods(self, limbs: Array | float) -> Iterator[Array]:
         """Yield the surface of each span as a grid of points (k, 33, 3).
@@ -98,57 +91,48 @@ class Drawn:
 
     def disc(self, platform: Array) -> Array:
         """Return the rim of a platform displaced and turned by (6,), (33, 3)."""
-        arms = self.rim()
+        arms = self.radius * np.stack([np.cos(RING), np.sin(RING)], axis=1) @ self.axes
         return self.centre + platform[:3] + arms + np.cross(platform[3:], arms)
 
 
 def drawn(mechanism: Mechanism, pose: Pose) -> Drawn:
     """Return what is drawn of `mechanism` at `pose`."""
     limbs, o = limbs_at(mechanism, pose), np.asarray(position(mechanism, pose))
-    spans: list[Span] = []
-    marks: list[Mark] = []
-    starts = np.empty((len(mechanism.limbs), 3))
+    length = float(limbs.lengths.mean())
+    spans, marks, starts = list[Span](), list[Mark](), np.empty((len(mechanism.limbs), 3))
     for group in place(mechanism, pose):
-        for i, chain, lengths, first in zip(
-            group.alike.limbs.tolist(), group.alike.chains, group.lengths, group.starts, strict=True
-        ):
-            starts[i] = first[0]
-            ends = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
-            for item, begin, end in zip(chain, ends, ends[1:], strict=False):
-                if isinstance(item, (Rod, Link)):
-                    spans.append(Span(i, float(begin), float(end), _radius(item, limbs.lengths)))
+        for k, i in enumerate(group.alike.limbs.tolist()):
+            starts[i], lengths = group.starts[k, 0], group.lengths[k]
+            ends = (np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()).tolist()
+            for item, begin, end in zip(group.alike.chains[k], ends, ends[1:], strict=False):
+                if isinstance(item, Link):
+                    spans.append(Span(i, begin, end, LINK * length))
+                elif isinstance(item, Rod):  # a section that is not round is drawn by its area
+                    d = item.section.diameter or 2 * float(np.sqrt(item.area / np.pi))
+                    spans.append(Span(i, begin, end, d / 2))
                 elif isinstance(item, Body):
-                    axes = group.frames[group.alike.limbs.tolist().index(i)]
-                    beside = axes @ item.centre if item.frame == "limb" else np.array(item.centre)
-                    marks.append(Mark(i, float(begin), "body", beside))
+                    axes = group.frames[k] if item.frame == "limb" else np.eye(3)
+                    marks.append(Mark(i, begin, "body", axes @ item.centre))
                 else:
-                    marks.append(Mark(i, float(begin), item.name, np.zeros(3)))
+                    marks.append(Mark(i, begin, item.name, np.zeros(3)))
     return Drawn(
-        mechanism.bases,
-        starts,
-        o + limbs.arms,
-        tuple(sorted(spans, key=lambda one: (one.limb, one.begin))),
-        tuple(sorted(marks, key=lambda one: (one.limb, one.place))),
-        o,
-        pose.rotation.T[:2],
-        float(np.linalg.norm(mechanism.platform_points, axis=1).max()),
-        o + pose.rotation @ mechanism.platform.centre,
-        float(limbs.lengths.mean()),
-        mechanism.simple,
+        bases=mechanism.bases,
+        starts=starts,
+        tips=o + limbs.arms,
+        spans=sorted(spans, key=lambda one: (one.limb, one.begin)),
+        marks=sorted(marks, key=lambda one: (one.limb, one.place)),
+        centre=o,
+        axes=pose.rotation.T[:2],
+        radius=float(np.linalg.norm(mechanism.platform_points, axis=1).max()),
+        mass=o + pose.rotation @ mechanism.platform.centre,
+        length=length,
+        plain=mechanism.simple,
     )
 
 
-def _radius(item: Rod | Link, lengths: Array) -> float:
-    """Return how thick an item is drawn: a section that is not round by its area."""
-    if isinstance(item, Link):
-        return LINK * float(lengths.mean())
-    d = item.section.diameter
-    return float(np.sqrt(item.area / np.pi)) if d is None else d / 2
-
-
-def at(line: Array, places: Array) -> Array:
-    """Return the points of a limb's line (stations, 3) at fractions of its length, (k, 3)."""
-    return np.stack([np.interp(places, STATIONS, line[:, c]) for c in range(3)], axis=1)
+def at(line: Array, places: Array | float) -> Array:
+    """Return the points of a limb's line (stations, 3) at fractions of its length, (..., 3)."""
+    return np.stack([np.interp(places, STATIONS, along) for along in line.T], axis=-1)
 
 
 def scale(there: Drawn, limbs: Array) -> Array:
@@ -166,14 +150,5 @@ def tube(line: Array, radius: float) -> Array:
     side /= np.linalg.norm(side)
     up = np.cross(along, side) / np.linalg.norm(along)
     ring = np.cos(RING)[:, None] * side + np.sin(RING)[:, None] * up
-    return np.concatenate(
-        [line[0] + 0 * ring[None], line[:, None] + radius * ring, line[-1] + 0 * ring[None]]
-    )
-
-
-def seen(points: Array) -> tuple[Array, Array]:
-    """Return `points` (..., 3) from the front: right and up (..., 2), and how near (...)."""
-    front = np.array([np.cos(TURN), np.sin(TURN), 0.0])
-    right = np.array([-front[1], front[0], 0.0])
-    towards = np.cos(HEIGHT) * front + np.sin(HEIGHT) * np.eye(3)[2]
-    return points @ np.stack([right, np.cross(towards, right)], axis=1), points @ towards
+    ends = 0 * ring[None]
+    return np.concatenate([line[0] + ends, line[:, None] + radius * ring, line[-1] + ends])

@@ -13,11 +13,11 @@ from harness.signatures import Axes, Figure
 # distinction, and differ in size because repeated modes lie on top of each other.
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "h")
-FORMS = ("svg", "png", "pdf")
 DPI = 300
 LINE = 0.045
 """Height of a line of text, as a part of a panel's."""
-_UNDATED = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None}}
+FORMS = {"svg": {"Date": None}, "png": {"Software": None}, "pdf": {"CreationDate": None}}
+"""Forms of a picture's file, and what is left out of each: dates and names of programs."""
 
 
 @contextmanager
@@ -80,10 +80,10 @@ def picture(figure: Figure, form: str) -> bytes:
     """Return `figure` as "svg", "png" or "pdf" bytes, without dates or random names."""
     data = io.BytesIO()
     with own_style():
-        figure.savefig(data, format=form, dpi=DPI, metadata=_UNDATED[form])
+        figure.savefig(data, format=form, dpi=DPI, metadata=FORMS[form])
     return data.getvalue()
 
 
-def figure_files(figure: Figure, stem: str, forms: Sequence[str] = FORMS) -> dict[str, bytes]:
-    """Return `stem` in all `forms` as files to write."""
-    return {f"{stem}.{form}": picture(figure, form) for form in forms}
+def figure_files(figure: Figure, stem: str) -> dict[str, bytes]:
+    """Return `stem` in all `FORMS` as files to write."""
+    return {f"{stem}.{form}": picture(figure, form) for form in FORMS}

@@ -3,8 +3,9 @@
 import csv
 import io
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from harness.plain import plain
@@ -69,6 +70,7 @@ class Number:
 
 
 Cell = str | int | Number
+Row = Sequence[Cell]
 
 
 @dataclass(frozen=True)
@@ -76,33 +78,36 @@ class Table:
     """Rows under columns, with a title and notes that say where the numbers come from."""
 
     title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    notes: tuple[str, ...] = ()
+    columns: Sequence[str]
+    rows: Sequence[Row]
+    notes: Sequence[str] = ()
 
+    @cached_property
     def _text(self) -> list[list[str]]:
         return [[plain(str(cell)) for cell in row] for row in self.rows]
 
+    @cached_property
     def _numeric(self) -> list[bool]:
-        """Return which columns hold numbers; these are set flush right and never broken."""
+        """Which columns hold numbers; these are set flush right and never broken."""
         return [
             any(isinstance(row[k], (int, Number)) for row in self.rows)
             for k in range(len(self.columns))
         ]
 
-    def _tabulated(self, style: str) -> str:
-        from tabulate import tabulate
-
-        sides = ["right" if numeric else "left" for numeric in self._numeric()]
-        return tabulate(
-            self._text(), self.columns, tablefmt=style, colalign=sides, disable_numparse=True
-        )
+    @cached_property
+    def _widths(self) -> list[int]:
+        return [max(map(len, texts)) for texts in zip(self.columns, *self._text, strict=True)]
 
     def markdown(self) -> str:
         """Return the table as GitHub-flavoured Markdown with title and notes."""
+        from tabulate import tabulate
+
+        sides = ["right" if numeric else "left" for numeric in self._numeric]
+        body = tabulate(
+            self._text, self.columns, tablefmt="github", colalign=sides, disable_numparse=True
+        )
         notes = "".join(f"- {plain(note)}\n" for note in self.notes)
-        body = f"## {plain(self.title)}\n\n{self._tabulated('github')}\n"
-        return f"{body}\n{notes}" if notes else body
+        return f"## {plain(self.title)}\n\n{body}\n" + (notes and f"\n{notes}")
 
     def latex(self, label: str = "table") -> str:
         """Return a LaTeX table with its title as the caption and \\label{tab:`label`}.
@@ -110,25 +115,19 @@ class Table:
         Columns of text with a cell longer than `LONGEST` are paragraphs that share the line, and
         what is wider than the line all the same is made smaller. The notes are comments above it.
         """
-        comments = "".join(f"% {plain(line)}\n" for line in (NEEDS, *self.notes))
-        numeric = self._numeric()
-        long = [
-            not numeric[k] and any(len(str(row[k])) > LONGEST for row in self.rows)
-            for k in range(len(self.columns))
+        kinds = [
+            "r" if numeric else "p" if any(len(str(row[k])) > LONGEST for row in self.rows) else "l"
+            for k, numeric in enumerate(self._numeric)
         ]
-        width = f"p{{{PARAGRAPHS / max(1, sum(long)):.2f}\\linewidth}}"
-        columns = "".join(
-            width if wide else "r" if flush_right else "l"
-            for wide, flush_right in zip(long, numeric, strict=True)
-        )
+        wide = f"p{{{PARAGRAPHS / max(1, kinds.count('p')):.2f}\\linewidth}}"
         head, *body = (
-            " & ".join(map(_for_latex, row)) + r" \\" for row in (self.columns, *self._text())
+            " & ".join(map(_for_latex, row)) + r" \\" for row in (self.columns, *self._text)
         )
         return FLOAT % {
-            "comments": comments,
+            "comments": "".join(f"% {plain(line)}\n" for line in (NEEDS, *self.notes)),
             "caption": _for_latex(plain(self.title)),
             "label": label,
-            "columns": columns,
+            "columns": "".join(kinds).replace("p", wide),
             "head": head,
             "body": "\n".join(body),
         }
@@ -137,8 +136,7 @@ class Table:
         """Return the cells, numbers with the digits that are significant; no title or notes."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(map(harmless, self.columns))
-        for row in self.rows:
+        for row in (self.columns, *self.rows):
             writer.writerow([c.kept if isinstance(c, Number) else harmless(c) for c in row])
         return text.getvalue()
 
@@ -164,52 +162,42 @@ class Table:
         from rich.console import Group
         from rich.text import Text
 
-        blocks = [self._block(block) for block in self._blocks(width)]
-        title = Text(plain(self.title), style="bold")
         return Group(
-            title, *blocks, *(Text(f"  {plain(note)}", style="dim") for note in self.notes)
+            Text(plain(self.title), style="bold"),
+            *map(self._block, self._blocks(width)),
+            *(Text(f"  {plain(note)}", style="dim") for note in self.notes),
         )
 
     def width(self) -> int:
         """Return the characters of the widest line, nothing broken."""
-        notes = max((len(note) + 2 for note in (self.title, *self.notes)), default=0)
-        return max(notes, sum(self._widths()) + GAP * len(self.columns) + 1)
+        notes = max(len(note) + 2 for note in (self.title, *self.notes))
+        return max(notes, sum(self._widths) + GAP * len(self.columns) + 1)
 
-    def _widths(self) -> list[int]:
-        text = self._text()
-        return [
-            max([len(name), *(len(row[k]) for row in text)]) for k, name in enumerate(self.columns)
-        ]
-
-    def _leading(self) -> int:
-        """Return how many columns say what a row is: the first that tell all rows apart, or all."""
-        text, most = self._text(), max(1, len(self.columns) - 1)
-        apart = (k for k in range(1, most) if len({tuple(row[:k]) for row in text}) == len(text))
-        return next(apart, most)
-
-    def _blocks(self, width: int | None) -> Iterator[Mapping[int, int]]:
+    def _blocks(self, width: int | None) -> Iterator[dict[int, int]]:
         """Yield the columns of every block with their widths."""
-        text, numeric, natural = self._text(), self._numeric(), self._widths()
-        if width is None or sum(natural) + GAP * len(natural) + 1 <= width:
-            yield dict(enumerate(natural))
-            return
-        room = width - 1
-        numbers = (w for w, flush in zip(natural, numeric, strict=True) if flush)
-        widest = GAP + max(NARROW, *numbers, 0)
+        text, natural = self._text, dict(enumerate(self._widths))
 
-        def taken(block: Mapping[int, int]) -> int:
+        def taken(block: dict[int, int]) -> int:
             return sum(block.values()) + GAP * len(block)
 
         def own(k: int, most: int) -> int:
-            return natural[k] if numeric[k] else min(natural[k], max(NARROW, most))
+            return natural[k] if self._numeric[k] else min(natural[k], max(NARROW, most))
 
+        if width is None or taken(natural) < width:
+            yield natural
+            return
+        room = width - 1
+        widest = max(NARROW, *(w for k, w in natural.items() if self._numeric[k]), 0)
+        # The first columns that tell all rows apart say what a row is; else all but the last.
+        most = max(1, len(natural) - 1)
+        apart = (k for k in range(1, most) if len({tuple(row[:k]) for row in text}) == len(text))
         keys: dict[int, int] = {}
-        for k in range(self._leading()):
-            if keys and taken(keys) + own(k, room // 3) + GAP + widest > room:
+        for k in range(next(apart, most)):
+            if keys and taken(keys) + own(k, room // 3) + 2 * GAP + widest > room:
                 break
             keys[k] = own(k, room // 3)
         block, left = dict(keys), room - taken(keys) - GAP
-        for k in range(len(natural)):
+        for k in natural:
             if k not in keys and any(row[k].strip() for row in text):
                 if taken(block) + own(k, left) + GAP > room and len(block) > len(keys):
                     yield block
@@ -217,36 +205,32 @@ class Table:
                 block[k] = own(k, left)
         yield block
 
-    def _block(self, columns: Mapping[int, int]) -> "rich.table.Table":
+    def _block(self, widths: dict[int, int]) -> "rich.table.Table":
         import rich.table
         from rich.box import SIMPLE_HEAD
         from rich.text import Text
 
-        numeric, text = self._numeric(), self._text()
         table = rich.table.Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1))
-        for k, width in columns.items():
-            table.add_column(
-                Text(self.columns[k]),
-                justify="right" if numeric[k] else "left",
-                no_wrap=numeric[k],
-                overflow="fold",
-                min_width=width,
-                max_width=width,
-            )
+        for k, width in widths.items():
+            numeric = self._numeric[k]
+            table.add_column(Text(self.columns[k]), justify="right" if numeric else "left",
+                             no_wrap=numeric, overflow="fold", min_width=width,
+                             max_width=width)  # fmt: skip
         first = [str(row[0]) for row in self.rows]
         grouped = len(set(first)) < len(first)
-        for number, row in enumerate(text):
-            if grouped and number and first[number] != first[number - 1]:
+        for row, name, before in zip(self._text, first, [*first[:1], *first], strict=False):
+            if grouped and name != before:
                 table.add_section()
-            table.add_row(*(Text(row[k]) for k in columns))
+            table.add_row(*(Text(row[k]) for k in widths))
         return table
 
 
 def table_files(tables: Mapping[str, Table]) -> dict[str, bytes]:
     """Return all `tables` as files to write, by the stem of their names."""
-    return {
-        name: text for stem, table in tables.items() for name, text in table.files(stem).items()
-    }
+    files: dict[str, bytes] = {}
+    for stem, table in tables.items():
+        files |= table.files(stem)
+    return files
 
 
 def _for_latex(text: str) -> str:
@@ -258,4 +242,4 @@ def harmless(cell: Any) -> Any:
     """Return a cell that no spreadsheet takes for a formula; a text that is a number stays one."""
     if not isinstance(cell, str):
         return cell
-    return f"'{plain(cell)}" if FORMULA.match(cell) else plain(cell)
+    return ("'" if FORMULA.match(cell) else "") + plain(cell)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from harness.plan import Plan
 from harness.request import Request
 from harness.signatures import Array, Figure
 from harness.studies.refinement import MESHES, ROUNDING, Family
-from harness.tables import Cell, Number, Table
+from harness.tables import Row, Table
 
 DEFAULTS = {"elements": "1-8"}
 EACH_REFERENCE = True
@@ -61,24 +62,23 @@ class Convergence(AgainstElements):
         limit; NaN where an error is rounding.
         """
         size = np.abs(self.errors[case])
-        size = np.where(size < 100 * ROUNDING, np.nan, size)
-        ratio = np.log(np.array(self.elements[1:]) / np.array(self.elements[:-1]))
-        return np.asarray(np.log(size[:-1] / size[1:]) / ratio[:, None])
+        size = np.log(np.where(size < 100 * ROUNDING, np.nan, size))
+        return np.asarray(-np.diff(size, axis=0) / np.diff(np.log(self.elements))[:, None])
 
-    def quoted(self, case: Case, s: int) -> list[float | None]:
-        """Return what the paper quotes with Fig. 3 of the modes shown."""
+    def quoted(self, case: Case, s: int) -> list[float]:
+        """Return what the paper quotes with Fig. 3 of the modes shown, NaN where nothing."""
         errors = {} if case.paper is None else case.paper.errors
-        return [errors.get((case.published, s, i)) for i in self.shown]
+        return [errors.get((case.published, s, i), np.nan) for i in self.shown]
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, s and mode: the error, and what the paper quotes."""
         for case, found in self.errors.items():
-            for s, row in zip(self.elements, found, strict=True):
-                for i, quoted in zip(self.shown, self.quoted(case, s), strict=True):
+            for s, row in zip(self.elements, at(found, self.shown), strict=True):
+                for i, error, quoted in zip(self.shown, row, self.quoted(case, s), strict=True):
                     yield {
                         "case": case.name, "theory": self.theory.name,
                         "reference": self.reference.label, "elements": s, "mode": i,
-                        "error_percent": row[i - 1], "printed_percent": quoted,
+                        "error_percent": error, "printed_percent": quoted,
                     }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
@@ -87,48 +87,35 @@ class Convergence(AgainstElements):
         Against the theory's own limit also the observed order from each s to the next. Fewer than
         three s say nothing.
         """
-        tables = {"": self._errors_table()}
+        rows, notes = list[Row](), list[str]()
+        for case, found in self.errors.items():
+            for s, row in zip(self.elements, at(found, self.shown), strict=True):
+                rows.append((case.name, s, "", *cells(row, 4, signed=True)))
+                quoted = self.quoted(case, s)
+                if np.isfinite(quoted).any() and not self.same_theory:
+                    rows.append((case.name, s, "printed", *cells(quoted, signed=True, none="")))
+            for mesh in self.meshes:
+                every = range(1, self.study.count + 1)
+                notes += pairing_notes(self.study, case, mesh, self.reference, every)
+        notes += failure_notes(self.study) + case_notes(self.study.cases)
+        name, against = f"{self.theory.name}@s", self.reference.label
+        what = "Discretisation error alone" if self.same_theory else "Fig. 3: error against s"
+        columns = ("Case", "s", "", *(f"e{i}" for i in self.shown))
+        tables = {"": Table(f"{what}: {name} against {against} [%]", columns, rows, notes)}
         if self.same_theory and len(self.elements) > 1:
-            tables["-order"] = self._order_table()
+            rows = [
+                (case.name, f"{a} to {b}", *cells(at(order, self.shown), none="rounding"))
+                for case in self.errors
+                for (a, b), order in zip(pairwise(self.elements), self.order(case), strict=True)
+            ]
+            about = "rounding: the error is below 1e-10 of the frequency, no order can be read"
+            columns = ("Case", "s", *(f"f{i}" for i in self.shown))
+            title = f"Observed order of convergence: {name} to {against}"
+            tables["-order"] = Table(title, columns, rows, [about])
         if len(self.elements) >= MESHES:
             last = Family.of(self.study, self.meshes[-MESHES:])
             tables["-verification"] = last.table(self.study, self.shown)
         return tables
-
-    def _errors_table(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
-        for case, found in self.errors.items():
-            for s, row in zip(self.elements, found, strict=True):
-                rows.append((case.name, s, "", *cells(at(row, self.shown), 4, signed=True)))
-                quoted = self.quoted(case, s)
-                if any(value is not None for value in quoted) and not self.same_theory:
-                    given = ("" if v is None else Number(v, 2, True) for v in quoted)
-                    rows.append((case.name, s, "printed", *given))
-        what = "Discretisation error alone" if self.same_theory else "Fig. 3: error against s"
-        every = range(1, self.study.count + 1)
-        notes = [
-            note for case in self.errors for mesh in self.meshes
-            for note in pairing_notes(self.study, case, mesh, self.reference, every)
-        ]  # fmt: skip
-        return Table(
-            f"{what}: {self.theory.name}@s against {self.reference.label} [%]",
-            ("Case", "s", "", *(f"e{i}" for i in self.shown)),
-            tuple(rows),
-            (*notes, *failure_notes(self.study), *case_notes(self.study.cases)),
-        )
-
-    def _order_table(self) -> Table:
-        rows = tuple(
-            (case.name, f"{self.elements[k]} to {self.elements[k + 1]}",
-             *cells(at(row, self.shown), none="rounding"))
-            for case in self.errors for k, row in enumerate(self.order(case))
-        )  # fmt: skip
-        return Table(
-            f"Observed order of convergence: {self.theory.name}@s to {self.reference.label}",
-            ("Case", "s", *(f"f{i}" for i in self.shown)),
-            rows,
-            ("rounding: the error is below 1e-10 of the frequency, no order can be read",),
-        )
 
     def figures(self) -> dict[str, Figure]:
         """Return Fig. 3: error against s, one panel a case."""
@@ -172,28 +159,26 @@ def convergence_figure(result: Convergence) -> Figure:
     """
     from matplotlib.ticker import MaxNLocator, NullFormatter
 
-    cases, own = list(result.errors), result.same_theory
+    own, s = result.same_theory, np.array(result.elements)
+    curves = {case: np.abs(off) if own else off for case, off in result.errors.items()}
     title = f"{result.theory.name} with s elements a limb against {result.reference.label}"
     title += "" if own else "; dotted: without elements, the floor"
-    heads = [case.heading for case in cases]
-    figure, (row,) = panels(title, 1, len(cases), (5.2, 4.4), heads, sharey=True)
-    positive = own or all((found > 0).all() for found in result.errors.values())
-    for axes, case in zip(row, cases, strict=True):
-        found = np.abs(result.errors[case]) if own else result.errors[case]
+    heads = [case.heading for case in curves]
+    figure, (row,) = panels(title, 1, len(heads), (5.2, 4.4), heads, sharey=True)
+    positive = own or all((found > 0).all() for found in curves.values())
+    for axes, (case, found) in zip(row, curves.items(), strict=True):
         for i in result.shown:
             # Of two curves that coincide the first is seen round the second, which is open.
-            axes.plot(result.elements, found[:, i - 1],
+            axes.plot(s, found[:, i - 1],
                       **look(i) | ({"mfc": "white"} if i % 2 else {"ls": "--"}))  # fmt: skip
             if not own:
-                axes.axhline(
-                    result.floor(case)[i - 1], ls=":", lw=1.4, color=look(i)["color"], zorder=1
-                )
+                colour = look(i)["color"]
+                axes.axhline(result.floor(case)[i - 1], ls=":", lw=1.4, color=colour, zorder=1)
         for number in () if own else result.elements:
-            for i, quoted in zip(result.shown, result.quoted(case, number), strict=True):
-                if quoted is not None:
-                    axes.plot(
-                        number, quoted, "*", color=look(i)["color"], ms=11, mec="white", mew=0.6
-                    )
+            for i, value in zip(result.shown, result.quoted(case, number), strict=True):
+                if np.isfinite(value):
+                    axes.plot(number, value, "*", color=look(i)["color"], ms=11, mec="white",
+                              mew=0.6)  # fmt: skip
         axes.set_xlabel("number of elements $s$")
         axes.grid(alpha=0.25, which="both")
         if positive:  # f1-f3 would lie on each other at the foot of f4-f6
@@ -202,8 +187,8 @@ def convergence_figure(result: Convergence) -> Figure:
             axes.axhline(0, color="0.4", lw=0.8)
         if own:
             axes.set_xscale("log", base=2)
-            axes.set_xticks(result.elements, [f"{s}" for s in result.elements])
-            slope, s = result.theory.info().order, np.array(result.elements, dtype=float)
+            axes.set_xticks(s, s.astype(str))
+            slope = result.theory.info().order
             line = 2 * np.nanmax(found[0]) * (s / s[0]) ** -slope
             axes.plot(s, line, ls=":", color="0.4", label=f"order {slope:g}")
             continue
@@ -211,11 +196,10 @@ def convergence_figure(result: Convergence) -> Figure:
         if positive:
             axes.yaxis.set_major_formatter("{x:g}")
             axes.yaxis.set_minor_formatter(NullFormatter())
-    for axes, case in zip(row, cases, strict=True):
-        last = (np.abs(result.errors[case]) if own else result.errors[case])[-1]
-        write_ends(axes, {str(look(i)["label"]): last[i - 1] for i in result.shown})
+    for axes, found in zip(row, curves.values(), strict=True):
+        write_ends(axes, {str(look(i)["label"]): found[-1, i - 1] for i in result.shown})
     row[0].set_ylabel(f"{'discretisation' if own else 'relative'} error [%]")
-    if not own and any(case.paper and case.paper.errors for case in cases):
+    if not own and any(case.paper and case.paper.errors for case in curves):
         row[-1].plot([], [], "*", color="0.5", ms=11, mec="white", label="quoted in the paper")
     row[-1].legend(fontsize=9, ncols=2)
     return figure

@@ -4,9 +4,8 @@ Roache's grid convergence index as Celik et al. report it (J. Fluids Eng. 130, 0
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from analytic import InputError
 from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES, exact
-from harness.compare import cell, cells, failure_notes, match, percent, relative_error
+from harness.compare import cell, cells, failure_notes, largest, match, percent, relative_error
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
@@ -76,19 +75,17 @@ def verify(elements: Sequence[int], frequencies: Sequence[float], formal: float)
     range.
     """
     (n1, n2, n3), (f1, f2, f3) = elements[-MESHES:], frequencies[-MESHES:]
-    first, last = f2 - f1, f3 - f2
-    fine, coarse = n3 / n2, n2 / n1
+    first, last, fine = f2 - f1, f3 - f2, n3 / n2
     if abs(last) <= ROUNDING * abs(f3):
         return Verification(tuple(frequencies), math.nan, f3, abs(last), True, False, True)
     monotone = first * last > 0
-    order = _order(first / last, fine, coarse) if monotone else math.nan
+    order = _order(first / last, fine, n2 / n1) if monotone else math.nan
     asymptotic = bool(abs(order - formal) <= ASYMPTOTIC * formal)
     # Outside the asymptotic range the lower order is the careful one.
     trusted = order if asymptotic else float(np.nanmin([order, formal]))
     step = last / (fine**trusted - 1)
-    factor = SAFETY if asymptotic else WARY
+    gci = (SAFETY if asymptotic else WARY) * abs(step)
     limit = max(f3 + step, 0.0) if monotone else f3
-    gci = factor * abs(step)
     return Verification(tuple(frequencies), order, limit, gci, monotone, asymptotic, False)
 
 
@@ -115,9 +112,8 @@ def ladder(model: Named, elements: Sequence[int] | None = None) -> Ladder:
     A model that is asked for extrapolated from two meshes of one's own stands on these and on half
     the coarser. Raises `InputError` for fewer than three.
     """
-    own = model.elements
     if elements is None:
-        info = model.info()
+        own, info = model.elements, model.info()
         elements = info.ladder
         if isinstance(own, tuple) and (own != info.refinements or len(elements) < MESHES):
             elements = (own[0] // 2, *own)
@@ -160,11 +156,9 @@ class Family:
         """Return it."""
         limit, exact = steps[-1].limit(), dict[tuple[Case, int], float]()
         for case in study.complete(*steps):
-            found = None if limit is None else match(study, case, steps[-1], limit)
-            if found is None:
-                continue
-            known = enumerate(zip(found.against, found.pairing.doubtful, strict=True), 1)
-            exact |= {(case, i): float(f) for i, (f, doubtful) in known if not doubtful}
+            if limit is not None and (found := match(study, case, steps[-1], limit)):
+                for i in np.flatnonzero(~found.pairing.doubtful).tolist():
+                    exact[case, i + 1] = float(found.against[i])
         return cls(steps, verified(study, steps), exact)
 
     @property
@@ -191,28 +185,26 @@ class Family:
     @property
     def band(self) -> float:
         """The widest band of a mode [%]."""
-        return _largest(one.band for one in self.seen.values())
+        return largest([one.band for one in self.seen.values()])
 
     @property
     def off(self) -> float:
         """How far limits lie from the exact ones, at most [%]; NaN without these."""
-        return _largest(
-            abs(float(relative_error(np.array(self.seen[key].limit), np.array(truth))))
-            for key, truth in self.exact.items()
-        )
+        limits = [self.seen[key].limit for key in self.exact]
+        return largest(relative_error(limits, [*self.exact.values()]))
 
     @property
-    def warned(self) -> int:
-        """How many frequencies have a warning."""
-        return sum(bool(one.remark) and not one.converged for one in self.seen.values())
+    def warned(self) -> str:
+        """How many frequencies have a warning, of how many."""
+        warned = sum(bool(one.remark) and not one.converged for one in self.seen.values())
+        return f"{warned} of {len(self.seen)}"
 
     def misses(self) -> dict[Case, list[str]]:
         """Return the modes whose limit lies further from the exact one than its band, by case."""
-        largest, wrong = max(self.exact.values(), default=0.0), dict[Case, list[str]]()
+        most, wrong = max(self.exact.values(), default=0.0), dict[Case, list[str]]()
         for (case, i), truth in self.exact.items():
             say = self.seen[case, i]
-            room = ROUNDING * truth if truth else FREE * largest
-            if abs(say.limit - truth) > say.gci + room:
+            if abs(say.limit - truth) > say.gci + (ROUNDING * truth if truth else FREE * most):
                 wrong.setdefault(case, []).append(
                     f"f{i} = {say.limit:.6g} Hz for {truth:.6g} Hz, with a GCI of {say.gci:.2g} Hz"
                 )
@@ -220,37 +212,32 @@ class Family:
 
     def table(self, study: Study, shown: Sequence[int]) -> Table:
         """Return the ladder's frequencies with their observed order, limit, GCI and warnings."""
-        rows = tuple(
+        rows = [
             (case.name, f"f{i}", *map(Number, one.frequencies), cell(one.order),
              Number(one.limit), cell(one.band, 4), one.remark)
             for (case, i), one in self.seen.items() if i in shown
-        )  # fmt: skip
+        ]  # fmt: skip
         columns = ("Case", "Mode", *(f"{model.elements} [Hz]" for model in self.steps), "order",
                    "limit [Hz]", "GCI [%]", "Remark")  # fmt: skip
-        notes = (f"formal order of {self.name}: {self.formal:g}", *failure_notes(study))
+        notes = [f"formal order of {self.name}: {self.formal:g}", *failure_notes(study)]
         title = f"{self.name}: frequencies against elements a limb, and their limit"
         return Table(title, columns, rows, notes)
 
 
 @dataclass(frozen=True)
 class Refinement(Result):
-    """Models on `ladders` of meshes at the cases of `study`; `shown`: mode numbers from 1."""
+    """Models on their meshes at the cases of `study`; `shown`: mode numbers from 1."""
 
     study: Study
-    ladders: tuple[Ladder, ...]
+    families: tuple[Family, ...]
     shown: tuple[int, ...]
-
-    @cached_property
-    def families(self) -> tuple[Family, ...]:
-        """What each model's meshes say."""
-        return tuple(Family.of(self.study, steps) for steps in self.ladders)
 
     def failures(self) -> dict[str, str]:
         """Return what has no answer, and what converges to another theory than it says."""
+        said = "it does not converge to the theory it declares"
         return super().failures() | {
-            f"{label(family.steps[-1])} at {case.name}":
-            f"it does not converge to the theory it declares: {'; '.join(wrong)}"
-            for family in self.families for case, wrong in family.misses().items()
+            f"{label(one.steps[-1])} at {case.name}": f"{said}: {'; '.join(wrong)}"
+            for one in self.families for case, wrong in one.misses().items()
         }  # fmt: skip
 
     def records(self) -> Iterator[dict[str, Any]]:
@@ -268,11 +255,11 @@ class Refinement(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return one table of all models, and one a model: mode by mode."""
-        rows = tuple(
+        rows = [
             (one.name, one.meshes, f"{one.formal:g}", *cells(one.orders), cell(one.band, 4),
-             cell(one.off, 4), f"{one.warned} of {len(one.seen)}")
+             cell(one.off, 4), one.warned)
             for one in self.families
-        )  # fmt: skip
+        ]  # fmt: skip
         columns = ("Model", "Elements", "formal order", "least", "largest order", "GCI [%]",
                    "from its exact limit [%]", "Warnings")  # fmt: skip
         notes = (
@@ -281,9 +268,8 @@ class Refinement(Result):
             "theory that the model declares",
             *failure_notes(self.study),
         )
-        return {"": Table("Models on their ladders", columns, rows, notes)} | {
-            f"-{one.name}": one.table(self.study, self.shown) for one in self.families
-        }
+        every = {f"-{one.name}": one.table(self.study, self.shown) for one in self.families}
+        return {"": Table("Models on their ladders", columns, rows, notes)} | every
 
     def sentences(self) -> list[str]:
         """Return each model's observed orders, widest band, and how often there is a warning."""
@@ -296,8 +282,8 @@ class Refinement(Result):
             meets = f"; its limit lies {percent(one.off, 'at most ')} from the exact one"
             lines.append(
                 f"{one.name}, {one.meshes} elements: order {known} (in theory {one.formal:g}), GCI "
-                f"{percent(one.band, 'at most ')} of the finest, {one.warned} of {len(one.seen)} "
-                f"frequencies with a warning{'' if math.isnan(one.off) else meets}."
+                f"{percent(one.band, 'at most ')} of the finest, {one.warned} frequencies with a "
+                f"warning{'' if math.isnan(one.off) else meets}."
             )
         return lines
 
@@ -308,18 +294,15 @@ def run(request: Request, bench: Bench) -> Refinement:
     Without elements each model has its own; NAME@N1+N2 stands on these two and half the coarser.
     """
     models = dict.fromkeys((request.theory, *request.references))
-    ladders = tuple(dict.fromkeys(ladder(model, request.elements) for model in models))
+    ladders = dict.fromkeys(ladder(model, request.elements) for model in models)
     every = [model for steps in ladders for model in steps]
     limits = [limit for steps in ladders if (limit := steps[-1].limit()) is not None]
     study = bench.run(request.cases, [*every, *limits], request.count)
-    return Refinement(study, ladders, request.shown)
+    families = tuple(Family.of(study, steps) for steps in ladders)
+    return Refinement(study, families, request.shown)
 
 
 def jobs(plan: Plan) -> dict[str, Request]:
     """Return what the main job asks: every beam theory and every reference on its ladder."""
     theories = [exact(name, plan.theory) for name in THEORIES]
     return {"refinement": plan.request(references=(*theories, *plan.references))}
-
-
-def _largest(values: Iterable[float]) -> float:
-    return max((value for value in values if math.isfinite(value)), default=math.nan)

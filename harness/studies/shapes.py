@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from textwrap import fill
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,14 +12,14 @@ from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.case import Case
-from harness.compare import Match, at, failure_notes, match
-from harness.drawing import AMPLITUDE, HEIGHT, TURN, Drawn, drawn, scale
+from harness.compare import Match, at, cell, failure_notes, match
+from harness.drawing import AMPLITUDE, Drawn, drawn, scale
 from harness.figures import COLOURS, panels
 from harness.plan import Plan
 from harness.request import Request
 from harness.result import Result
 from harness.signatures import Array, Figure
-from harness.tables import Number, Table
+from harness.tables import Table
 from reference_models import Named
 
 OUTPUT = "shapes"
@@ -31,8 +32,7 @@ MARKS: dict[str, dict[str, Any]] = {
     "body": {"marker": "h", "ms": 5.5, "mfc": COLOURS[4]},
 }
 """How joints and bodies are marked."""
-SPACE = {"projection": "3d", "proj_type": "ortho", "azim": np.degrees(TURN),
-         "elev": np.degrees(HEIGHT)}  # fmt: skip
+SPACE = {"projection": "3d", "proj_type": "ortho", "azim": -60, "elev": 18}
 """From where a mechanism is looked at."""
 LETTERS = 13
 """Letters of a title an inch."""
@@ -52,11 +52,9 @@ class Shapes(Result):
     shown: tuple[int, ...]
 
     def _pairs(self) -> Iterator[tuple[Case, Named, Match]]:
-        for case in self.study.cases:
-            for reference in self.references:
-                found = match(self.study, case, self.theory, reference)
-                if found is not None:
-                    yield case, reference, found
+        for case, reference in product(self.study.cases, self.references):
+            if found := match(self.study, case, self.theory, reference):
+                yield case, reference, found
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, reference and pair of modes: the assurance of the two."""
@@ -71,13 +69,13 @@ class Shapes(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return each mode's partner in every reference, and how alike the two are."""
-        rows = tuple(
-            (case.name, reference.label, f"f{i}", Number(float(found.ours[i - 1])),
-             f"f{found.pairing.partner[i - 1] + 1}", Number(float(found.against[i - 1])),
-             Number(float(found.pairing.assurance[i - 1]), 4),
-             "looks like no mode of the reference" if found.pairing.doubtful[i - 1] else "")
-            for case, reference, found in self._pairs() for i in self.shown
-        )  # fmt: skip
+        rows = [
+            (case.name, reference.label, f"f{k + 1}", cell(found.ours[k], 3),
+             f"f{found.pairing.partner[k] + 1}", cell(found.against[k], 3),
+             cell(found.pairing.assurance[k], 4),
+             "looks like no mode of the reference" if found.pairing.doubtful[k] else "")
+            for case, reference, found in self._pairs() for k in (i - 1 for i in self.shown)
+        ]  # fmt: skip
         columns = ("Case", "Reference", "Mode", "f [Hz]", "Partner", "its f [Hz]", "Assurance",
                    "Remark")  # fmt: skip
         notes = (
@@ -91,23 +89,21 @@ class Shapes(Result):
 
     def figures(self) -> dict[str, Figure]:
         """Return the modes of every case, and the assurance of every mode against every one."""
-        drawn = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
-        return drawn | {
-            f"-assurance-{case.name}-{reference.label}":
-            assurance_figure(self, case, reference, found)
-            for case, reference, found in self._pairs()
-        }  # fmt: skip
+        figures = {f"-{case.name}": shapes_figure(self, case) for case in self.study.cases}
+        for case, reference, found in self._pairs():
+            name = f"-assurance-{case.name}-{reference.label}"
+            figures[name] = assurance_figure(self, case, reference, found)
+        return figures
 
     def sentences(self) -> list[str]:
         """Return the smallest assurance of a mode with its partner, reference by reference."""
-        least: dict[Named, float] = {}
+        alike: dict[str, list[float]] = {reference.label: [] for reference in self.references}
         for _, reference, found in self._pairs():
-            own = float(at(found.pairing.assurance, self.shown).min())
-            least[reference] = min(least.get(reference, 1.0), own)
+            alike[reference.label] += at(found.pairing.assurance, self.shown).tolist()
         return [
-            f"Every mode of {self.theory.label} has its partner in {reference.label} with an "
-            f"assurance of at least {least[reference]:.4f}."
-            for reference in self.references if reference in least
+            f"Every mode of {self.theory.label} has its partner in {name} with an assurance of at "
+            f"least {min(found):.4f}."
+            for name, found in alike.items() if found
         ]  # fmt: skip
 
 
@@ -126,8 +122,7 @@ def jobs(plan: Plan) -> dict[str, Request]:
     return {"shapes": plan.request(references=plan.against)}
 
 
-@dataclass(frozen=True)
-class Turned:
+class Turned(NamedTuple):
     """A reference's modes as they are drawn: fields as of `Modes`."""
 
     frequencies: Array

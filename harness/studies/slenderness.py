@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from harness.presets import SOLIDS, quick
 from harness.request import Request
 from harness.result import Result
 from harness.signatures import Array, Figure
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Row, Table
 from reference_models import Named
 
 TAKES = ("cases", "case_file", "references", "modes", "shear")
@@ -61,52 +62,45 @@ class Slenderness(Result):
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, theory, d/L and mode."""
         for (case, theory), found in self.errors.items():
-            for k, ratio in enumerate(self.ratios):
-                for i in self.shown:
-                    yield {
-                        "case": case.name, "theory": theory.name,
-                        "reference": self.reference.label, "diameter_over_length": ratio,
-                        "mode": i, "error_percent": found[k, i - 1],
-                        "reference_uncertainty_percent": self.uncertainty[case][k, i - 1],
-                    }  # fmt: skip
+            for (k, ratio), i in product(enumerate(self.ratios), self.shown):
+                yield {
+                    "case": case.name, "theory": theory.name, "reference": self.reference.label,
+                    "diameter_over_length": ratio, "mode": i, "error_percent": found[k, i - 1],
+                    "reference_uncertainty_percent": self.uncertainty[case][k, i - 1],
+                }  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the errors [%] of the theories and the reference's own uncertainty at each d/L."""
-        rows: list[tuple[Cell, ...]] = []
+        rows: list[Row] = []
         for case in self.cases:
             for k, ratio in enumerate(self.ratios):
                 for theory in self.theories:
                     found = cells(at(self.errors[case, theory][k], self.shown), 3, signed=True)
-                    rows.append((case.name, Number(ratio, 3), theory.name, *found))
+                    rows.append((case.name, Number(ratio), theory.name, *found))
                 own = cells(at(self.uncertainty[case][k], self.shown), 3, none="not known")
-                rows.append((case.name, Number(ratio, 3), "reference's own, +-", *own))
+                rows.append((case.name, Number(ratio), "reference's own, +-", *own))
         about = "d is set for all limbs from their mean length; the theories are without elements"
-        return {"": Table(
-            f"Beam theory against {self.reference.label} as d/L grows [%]",
-            ("Case", "d/L", "", *(f"e{i}" for i in self.shown)),
-            tuple(rows),
-            (about, *failure_notes(self.study)),
-        )}  # fmt: skip
+        title = f"Beam theory against {self.reference.label} as d/L grows [%]"
+        columns = ("Case", "d/L", "", *(f"e{i}" for i in self.shown))
+        return {"": Table(title, columns, rows, [about, *failure_notes(self.study)])}
 
     def figures(self) -> dict[str, Figure]:
         """Return error against d/L: a row of panels a theory, a column a case."""
         title = f"Beam theory without elements against {self.reference.label}"
         size = len(self.theories), len(self.cases)
         figure, grid = panels(title, *size, (4.6, 3.4), sharex=True)
-        for theory, row in zip(self.theories, grid, strict=True):
-            for case, axes in zip(self.cases, row, strict=True):
-                for i in self.shown:
-                    axes.errorbar(
-                        self.ratios, self.errors[case, theory][:, i - 1],
-                        np.nan_to_num(self.uncertainty[case][:, i - 1]), capsize=2, **look(i),
-                    )  # fmt: skip
-                axes.axhline(0, color="0.4", lw=0.8)
-                axes.grid(alpha=0.25)
-                axes.set_title(f"{theory.name}, {case.heading}", fontsize=10)
-                axes.set_xticks(self.ratios)
-            row[0].set_ylabel("error [%]")
-        for axes in grid[-1]:
-            axes.set_xlabel("$d / L$")
+        for axes, (theory, case) in zip(grid.flat, product(self.theories, self.cases), strict=True):
+            error, own = self.errors[case, theory], np.nan_to_num(self.uncertainty[case])
+            for i in self.shown:
+                axes.errorbar(self.ratios, error[:, i - 1], own[:, i - 1], capsize=2, **look(i))
+            axes.axhline(0, color="0.4", lw=0.8)
+            axes.grid(alpha=0.25)
+            axes.set_title(f"{theory.name}, {case.heading}", fontsize=10)
+            axes.set_xticks(self.ratios)
+            if case == self.cases[0]:
+                axes.set_ylabel("error [%]")
+            if theory == self.theories[-1]:
+                axes.set_xlabel("$d / L$")
         grid[0][0].legend(fontsize=8)
         return {"": figure}
 
@@ -115,21 +109,14 @@ class Slenderness(Result):
         lines = []
         for theory in reversed(self.theories):
             for k in dict.fromkeys((0, len(self.ratios) - 1)):
-                known = [
-                    (abs(error), own)
-                    for case in self.cases
-                    for error, own in zip(
-                        at(self.errors[case, theory][k], self.shown),
-                        at(self.uncertainty[case][k], self.shown), strict=True,
-                    )
-                    if np.isfinite(error)
-                ]  # fmt: skip
-                if known:
-                    worst, own = max(known, key=lambda pair: pair[0])
-                    bar = f" +-{own:.1g}" if np.isfinite(own) else ""
+                error = np.abs([at(self.errors[c, theory][k], self.shown) for c in self.cases])
+                own = np.array([at(self.uncertainty[c][k], self.shown) for c in self.cases])
+                if np.isfinite(error).any():
+                    worst = np.unravel_index(np.nanargmax(error), error.shape)
+                    bar = f" +-{own[worst]:.1g}" if np.isfinite(own[worst]) else ""
                     lines.append(
                         f"At d/L = {self.ratios[k]:g} exact {theory.name} lies within "
-                        f"{worst:.2g}{bar} % of {self.reference.label}."
+                        f"{error[worst]:.2g}{bar} % of {self.reference.label}."
                     )
         return lines
 
@@ -146,13 +133,12 @@ def with_rods(case: Case, ratio: float) -> Case:
             return item
         own = item.section.diameter
         if own is None:
-            thin = "a rod that is not round"
-            raise InputError("cases", thin, "round rods to make as thick as d/L")
+            expected = "round rods to make as thick as d/L"
+            raise InputError("cases", "a rod that is not round", expected)
         return replace(item, section=Section.round(diameter, diameter * item.section.bore / own))
 
-    mechanism = case.mechanism
-    limbs = [replace(limb, chain=tuple(map(thick, limb.chain))) for limb in mechanism.limbs]
-    stout = Mechanism(tuple(limbs), mechanism.platform)
+    limbs = (replace(limb, chain=tuple(map(thick, limb.chain))) for limb in case.mechanism.limbs)
+    stout = Mechanism(tuple(limbs), case.mechanism.platform)
     return replace(case, name=f"{case.name} d/L={ratio:.3g}", mechanism=stout)
 
 

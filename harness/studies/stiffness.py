@@ -1,6 +1,6 @@
 """Static stiffness at the platform: how much, of which part, and over any poses."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,24 +12,22 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.compare import cells as numbers
 from harness.figures import COLOURS, panels
-from harness.plan import Plan
 from harness.poses import cells, columns, headings, named, used
 from harness.request import Option, Request
 from harness.result import Result
 from harness.signatures import Array, Figure
 from harness.studies.workspace.plane import MANY, OPTION, Plane
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Row, Table
 
 TAKES = ("cases", "case_file", "shear")
 LOADS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-SHOWN = np.repeat([1e-6, 1e-3], 3)
+FORCE, MOMENT = 1e-6, 1e-3
 """N/um and kN m/rad in SI."""
 MOST_POSES = 20_000
 OPTIONS = (
     Option("poses", "SET", "Poses of a map, as `sweep` takes them; default none.", None, str),
     OPTION,
 )
-
 ROUNDING = 1e-10
 """An entry below this part of its diagonals' mean is none: rounding, another on every machine."""
 
@@ -56,10 +54,11 @@ class Stiffnesses(Result):
     maps: tuple[Map, ...]
 
     @cached_property
-    def parts(self) -> dict[Case, dict[str, list[int]]]:
-        """Like parts of every case by name, and which they are in `Stiffness`: equal items at the
-        same place of equal chains."""
-        return {case: _parts(case.mechanism, found) for case, found in self.found.items()}
+    def shares(self) -> dict[Case, dict[str, tuple[int, Array]]]:
+        """How many limbs have a part, and its share [%] of the compliance to each of `LOADS`, in
+        the softest direction and about the softest axis (8,): by case and name, like parts as one.
+        """
+        return {case: _shares(case.mechanism, found) for case, found in self.found.items()}
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, part and load alone: the compliance, and the part's share.
@@ -69,13 +68,11 @@ class Stiffnesses(Result):
         for case, found in self.found.items():
             whole = np.diag(found.compliance)
             for (limb, item, what), shares in zip(found.parts, found.shares, strict=True):
-                for k, load in enumerate(LOADS):
-                    unit = "m_n" if k < 3 else "rad_nm"
+                for load, size, share in zip(LOADS, whole, shares, strict=True):
                     yield {
                         "case": case.name, "limb": limb, "item": item, "part": what, "load": load,
-                        "compliance_m_n": whole[k] if unit == "m_n" else np.nan,
-                        "compliance_rad_nm": whole[k] if unit == "rad_nm" else np.nan,
-                        "share": shares[k],
+                        "compliance_m_n": size if load[0] == "F" else np.nan,
+                        "compliance_rad_nm": size if load[0] == "M" else np.nan, "share": share,
                     }  # fmt: skip
         for one in self.maps:
             for pose, force, moment in zip(one.poses, one.force, one.moment, strict=True):
@@ -84,67 +81,56 @@ class Stiffnesses(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return stiffness to each load, the shares of like parts, the matrices, and the maps."""
-        tables = {"": self._summary(), "-parts": self._shares(), "-matrix": self._matrices()}
-        return tables | ({"-map": self._map()} if self.maps else {})
-
-    def _summary(self) -> Table:
-        rows = tuple(
-            (case.name, *numbers(SHOWN / np.diag(found.compliance), 3),
-             Number(1e-6 * found.softest()[0], 3), _softest(found),
-             Number(1e-3 * found.softest(turns=True)[0], 3), _softest(found, turns=True))
-            for case, found in self.found.items()
-        )  # fmt: skip
-        heads = ("Case", *LOADS, "least", "along", "least turning", "about")
-        notes = (
-            "N/um to a force at o alone, kN m/rad to a moment alone, the platform free to follow: "
-            "1 / compliance; rods are sheared beams, for which one element is exact at rest",
-        )
-        return Table("Static stiffness at the platform", heads, rows, notes)
-
-    def _shares(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
+        rows: list[Row] = []
         for case, found in self.found.items():
-            soft, turning = found.softest()[2], found.softest(turns=True)[2]
-            every = 100 * np.column_stack([found.shares, soft, turning])
-            for name, which in self.parts[case].items():
-                limbs = len({found.parts[k][0] for k in which})
-                rows.append((case.name, name, limbs, *numbers(every[which].sum(axis=0), 1)))
+            each = np.repeat([FORCE, MOMENT], 3) / np.diag(found.compliance)
+            force, moment = (found.softest(turns=turns)[0] for turns in (False, True))
+            rows.append((
+                case.name, *numbers(each, 3), Number(FORCE * force), _softest(found),
+                Number(MOMENT * moment), _softest(found, turns=True),
+            ))  # fmt: skip
+        heads: tuple[str, ...] = ("Case", *LOADS, "least", "along", "least turning", "about")
+        about = (
+            "N/um to a force at o alone, kN m/rad to a moment alone, the platform free to follow: "
+            "1 / compliance; rods are sheared beams, for which one element is exact at rest"
+        )
+        tables = {"": Table("Static stiffness at the platform", heads, rows, [about])}
+        rows = [
+            (case.name, name, limbs, *numbers(share, 1))
+            for case, parts in self.shares.items() for name, (limbs, share) in parts.items()
+        ]  # fmt: skip
         heads = ("Case", "Part", "Limbs", *LOADS, "softest force", "softest moment")
-        notes = ("every column of a case sums to 100",)
-        return Table("Who gives way: share of the compliance [%]", heads, tuple(rows), notes)
-
-    def _matrices(self) -> Table:
-        rows = tuple(
+        title = "Who gives way: share of the compliance [%]"
+        tables["-parts"] = Table(title, heads, rows, ["every column of a case sums to 100"])
+        rows = [
             (case.name, load, *(f"{value:.5g}" for value in row))
             for case, found in self.found.items()
             for load, row in zip(LOADS, _without_rounding(found.matrix).tolist(), strict=True)
-        )
+        ]
         heads = ("Case", "", "x", "y", "z", "about x", "about y", "about z")
-        notes = ("force [N] and moment [N m] at o for a unit displacement [m] and rotation [rad]",)
-        return Table("Stiffness at the platform, global axes", heads, rows, notes)
+        about = "force [N] and moment [N m] at o for a unit displacement [m] and rotation [rad]"
+        tables["-matrix"] = Table("Stiffness at the platform, global axes", heads, rows, [about])
+        return tables | ({"-map": self._map()} if self.maps else {})
 
     def _map(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
+        rows: list[Row] = []
         shown = used(one.poses for one in self.maps)
         for one in self.maps:
-            for what, values, unit in (("force", one.force, 1e-6), ("moment", one.moment, 1e-3)):
+            for what, values in (("force", FORCE * one.force), ("moment", MOMENT * one.moment)):
                 for word, k in (("least", values.argmin()), ("most", values.argmax())):
                     place = cells(columns(one.poses[int(k)]), shown)
-                    number = Number(unit * float(values[k]), 3)
-                    rows.append((one.case.name, what, word, number, *place))
+                    rows.append((one.case.name, what, word, Number(float(values[k])), *place))
         heads = ("Case", "Softest", "", "[N/um], [kN m/rad]", *headings(shown))
         about = f"over {len(self.maps[0].force)} poses, the softest direction at each"
-        return Table("Stiffness over the poses", heads, tuple(rows), (about,))
+        return Table("Stiffness over the poses", heads, rows, [about])
 
     def figures(self) -> dict[str, Figure]:
         """Return every part's share of the softest compliance, and the maps."""
-        figure, grid = panels(
-            "Share of the compliance in the softest direction", 1, len(self.found), (4.2, 3.0)
-        )
-        for axes, (case, found) in zip(grid[0], self.found.items(), strict=True):
-            sizes = _sizes(found, self.parts[case])
-            axes.barh(list(sizes), list(sizes.values()), color=COLOURS[0])
-            middle, half = (len(sizes) - 1) / 2, max(len(sizes), 4) / 2  # one bar is no wall
+        title = "Share of the compliance in the softest direction"
+        figure, grid = panels(title, 1, len(self.found), (4.2, 3.0))
+        for axes, (case, parts) in zip(grid[0], self.shares.items(), strict=True):
+            axes.barh(list(parts), [share[6] for _, share in parts.values()], color=COLOURS[0])
+            middle, half = (len(parts) - 1) / 2, max(len(parts), 4) / 2  # one bar is no wall
             axes.set(xlim=(0, 100), ylim=(middle + half, middle - half), xlabel="share [%]")
             axes.set_title(case.heading, fontsize=10)
         return {"": figure} | ({"-map": _map_figure(self.maps)} if self.maps else {})
@@ -153,26 +139,23 @@ class Stiffnesses(Result):
         """Return where each case is softest, and which part to stiffen first."""
         lines = []
         for case, found in self.found.items():
-            sizes = _sizes(found, self.parts[case])
-            first = max(sizes, key=lambda name: sizes[name])
+            share, first = max(
+                ((share[6], name) for name, (_, share) in self.shares[case].items()),
+                key=lambda one: one[0],
+            )
             lines.append(
                 f"{case.name} is softest along {_softest(found)} with "
-                f"{1e-6 * found.softest()[0]:.4g} N/um; {sizes[first]:.0f} % of that is {first}: "
+                f"{FORCE * found.softest()[0]:.4g} N/um; {share:.0f} % of that is {first}: "
                 "stiffen it first."
             )
         for one in self.maps:
-            k = int(one.force.argmin())
+            force = FORCE * one.force
             lines.append(
-                f"Over {len(one.force)} poses {one.case.name} has {1e-6 * one.force.min():.4g} to "
-                f"{1e-6 * one.force.max():.4g} N/um in its softest direction, least at "
-                f"{named(one.poses[k])}."
+                f"Over {len(force)} poses {one.case.name} has {force.min():.4g} to "
+                f"{force.max():.4g} N/um in its softest direction, least at "
+                f"{named(one.poses[int(force.argmin())])}."
             )
         return lines
-
-
-def _sizes(found: Stiffness, parts: Mapping[str, list[int]]) -> dict[str, float]:
-    """Return the share of like parts in the softest compliance [%]."""
-    return {name: 100 * float(found.softest()[2][which].sum()) for name, which in parts.items()}
 
 
 def _softest(found: Stiffness, *, turns: bool = False) -> str:
@@ -191,24 +174,28 @@ def _direction(unit: Array) -> str:
     return "(" + ", ".join(f"{value + 0.0:.2f}" for value in np.round(unit, 2)) + ")"
 
 
-def _parts(mechanism: Mechanism, found: Stiffness) -> dict[str, list[int]]:
+def _shares(mechanism: Mechanism, found: Stiffness) -> dict[str, tuple[int, Array]]:
+    """Return `Stiffnesses.shares` of a case; alike are equal items at the same place of chains."""
+    softest = [found.softest(turns=turns)[2] for turns in (False, True)]
+    shares = 100 * np.column_stack([found.shares, *softest])
     groups: dict[tuple[int, str], list[int]] = {}
     for k, (limb, item, what) in enumerate(found.parts):
-        thing = mechanism.limbs[limb - 1].chain[item - 1]
-        groups.setdefault((item, part_name(item, what, thing)), []).append(k)
-    return {name: which for (_, name), which in sorted(groups.items())}
+        name = part_name(item, what, mechanism.limbs[limb - 1].chain[item - 1])
+        groups.setdefault((item, name), []).append(k)
+    return {
+        name: (len({found.parts[k][0] for k in which}), shares[which].sum(axis=0))
+        for (_, name), which in sorted(groups.items())
+    }
 
 
 def part_name(item: int, what: str, thing: object) -> str:
     """Return what a part of a chain is called: its kind, its size, and its place from the base."""
-    if not isinstance(thing, Rod):
-        kind = f"{what} joint" if isinstance(thing, Joint) else what
-        return f"{kind} (item {item})"
-    d, bore = thing.section.diameter, thing.section.bore
-    if d is None:
-        return f"rod (item {item})"
-    size = f"{1000 * d:g}/{1000 * bore:g}" if bore else f"{1000 * d:g}"
-    return f"rod of {size} mm (item {item})"
+    if isinstance(thing, Joint):
+        what = f"{what} joint"
+    elif isinstance(thing, Rod) and (d := thing.section.diameter) is not None:
+        bore = thing.section.bore
+        what = f"rod of {1000 * d:g}{f'/{1000 * bore:g}' if bore else ''} mm"
+    return f"{what} (item {item})"
 
 
 def _map_figure(maps: tuple[Map, ...]) -> Figure:
@@ -216,11 +203,11 @@ def _map_figure(maps: tuple[Map, ...]) -> Figure:
     for axes, one in zip(grid[0], maps, strict=True):
         axes.set_title(one.case.heading, fontsize=10)
         if one.plane:
-            drawn = one.plane.filled(axes, 1e-6 * one.plane.spread(one.force))
+            drawn = one.plane.filled(axes, FORCE * one.plane.spread(one.force))
             figure.colorbar(drawn, ax=axes, label="[N/um]")
             continue
         lean = np.degrees(np.arccos(np.clip(one.poses.rotation[..., 2, 2], -1, 1)))
-        dots = axes.scatter(1000 * one.poses.z, 1e-6 * one.force, c=lean, s=9, cmap="viridis")
+        dots = axes.scatter(1000 * one.poses.z, FORCE * one.force, c=lean, s=9, cmap="viridis")
         axes.set(xlabel="height $z$ [mm]", ylabel="[N/um]")
         axes.grid(alpha=0.25)
         figure.colorbar(dots, label="lean of the platform [deg]")
@@ -231,13 +218,14 @@ def mapped(
     case: Case, poses: Pose, shear: str | float, bench: Bench, plane: Plane | None = None
 ) -> Map:
     """Return the least stiffness of a case's mechanism at `poses` (an array of them)."""
-    softest = np.empty((2, len(poses)))
+    softest = []
     bench.listener.expect(len(poses))
-    for k, pose in enumerate(poses):
+    for pose in poses:
         found = stiffness(case.mechanism, pose, shear=shear)
-        softest[:, k] = found.softest()[0], found.softest(turns=True)[0]
+        softest.append([found.softest()[0], found.softest(turns=True)[0]])
         bench.listener.done(f"stiffness at {named(pose)}")
-    return Map(case, poses, softest[0], softest[1], plane)
+    force, moment = np.array(softest).T
+    return Map(case, poses, force, moment, plane)
 
 
 def run(request: Request, bench: Bench) -> Stiffnesses:
@@ -249,8 +237,11 @@ def run(request: Request, bench: Bench) -> Stiffnesses:
     """
     shear = dict(request.theory.settings).get("shear", "cowper")
     found = {case: stiffness(case.mechanism, case.pose, shear=shear) for case in request.cases}
+    text, names = (request.options.get(option.name) for option in OPTIONS)
+    if text is not None and names is not None:
+        raise InputError("poses", text, "no poses beside a plane")
     maps: list[Map] = []
-    if (text := request.options.get("poses")) is not None:
+    if text is not None:
         from harness.sweep.pose_sets import pose_set
 
         for case in {case.mechanism: case for case in request.cases[::-1]}.values():
@@ -258,18 +249,11 @@ def run(request: Request, bench: Bench) -> Stiffnesses:
             if len(poses) > MOST_POSES:
                 raise InputError("poses", text, f"at most {MOST_POSES} poses")
             maps.append(mapped(case, poses, shear, bench))
-    if (names := request.options.get(OPTION.name)) is not None:
-        if text is not None:
-            raise InputError("poses", text, "no poses beside a plane")
+    if names is not None:
         for case in request.cases[::-1]:
             plane = Plane.of(case, names, Limits(), *MANY)
             maps.append(mapped(case, plane.poses[plane.wanted], shear, bench, plane))
     return Stiffnesses(found, tuple(maps[::-1]))
-
-
-def jobs(plan: Plan) -> dict[str, Request]:
-    """Return what the main job asks: every case."""
-    return {"stiffness": plan.request()}
 
 
 def _without_rounding(matrix: Array) -> Array:

@@ -58,7 +58,7 @@ def test_the_references_own_is_the_gci_of_its_three_meshes() -> None:
     steps = meshes(REFERENCE)
     assert [mesh.elements for mesh in steps] == [6, 12, 24]
     refined = study("refine", cases=case, model=REFERENCE, references=[REFERENCE])
-    assert isinstance(refined, Refinement) and refined.ladders == (steps,)
+    assert isinstance(refined, Refinement) and refined.families[0].steps == steps
     found = refined.families[0].seen
     model = Substructure(3).modes(case.mechanism, case.pose)
     finest = steps[-1].modes(case.mechanism, case.pose, 8)
