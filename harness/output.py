@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from analytic import InputError
 from harness.figures import figure_files, own_style
 from harness.plain import file_name
 from harness.result import Result
@@ -23,13 +24,19 @@ class OutputError(RuntimeError):
     """A result that could not be written; nothing half-written is left."""
 
 
-def result_files(result: Result, stem: str) -> dict[str, bytes]:
-    """Return a result's tables (.csv, .md, .tex), figures and tidy numbers as files to write."""
-    files = table_files({f"{stem}{file_name(end)}": t for end, t in result.tables().items()})
-    with own_style():
-        for ending, figure in result.figures().items():
-            files |= figure_files(figure, f"{stem}{file_name(ending)}")
-    return files | {f"{stem}-data.csv": tidy(result.to_frame())}
+def result_files(results: Mapping[str, Result]) -> dict[str, bytes]:
+    """Return the results' tables (.csv, .md, .tex), figures and tidy numbers as files to write.
+
+    `results`: by the stem of their files' names.
+    """
+    files: dict[str, bytes] = {}
+    for stem, result in results.items():
+        files |= table_files({f"{stem}{file_name(end)}": t for end, t in result.tables().items()})
+        with own_style():
+            for ending, figure in result.figures().items():
+                files |= figure_files(figure, f"{stem}{file_name(ending)}")
+        files[f"{stem}-data.csv"] = tidy(result.to_frame())
+    return files
 
 
 def tidy(frame: "pd.DataFrame") -> bytes:
@@ -46,8 +53,6 @@ def check_folder(text: str, argument: str = "output", *, writes: bool = False) -
 
     Raises `InputError` where it cannot be one, or must be written and cannot.
     """
-    from analytic import InputError
-
     folder = Path(text)
     try:
         text.encode()
@@ -68,8 +73,6 @@ def check_file(text: str, argument: str = "output") -> Path:
 
     Raises `InputError` for a folder, a link, a device and the like: writing would replace it.
     """
-    from analytic import InputError
-
     path = Path(text)
     if not path.name or path.is_symlink() or (path.exists() and not path.is_file()):
         raise InputError(argument, text, "the name of a file, no folder, link or device")

@@ -11,7 +11,7 @@ import click
 
 from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
-from harness.cli.reproduce import LATEST
+from harness.cli.flags import LATEST
 from harness.cli.terminal import Bar, show_tables
 from harness.plain import plain
 

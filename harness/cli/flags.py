@@ -22,8 +22,12 @@ FLAGS = {
     "shear": ("KAPPA", "Timoshenko's kappa: cowper (default), 0.9, 6/7 or a number."),
 }
 """Metavariable and help of every standard argument."""
+LATEST = "results/latest"
+"""Where `reproduce` writes."""
 WRITES = ("output", "history", "json", "markdown", "junit", "time_limit")
 """Options that say where to write and how long to wait, not what to compute."""
+NAMES = "cases", "case", "model", "models", "against", "references", "only"
+"""Arguments whose names a shell can complete."""
 _known: set[str] = set()
 """Arguments that are flags of the command that runs: errors name them as they are typed."""
 
@@ -44,38 +48,24 @@ def option(name: str, metavar: str, text: str, **more: Any) -> Callable[..., Any
 def _completed(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Return how the last of the names `typed`, separated by commas, may go on."""
     head, comma, last = typed.rpartition(",")
-    known = NAMES[parameter.name or ""](context.params.get("case_file"))
+    known = _known_names(parameter.name or "", context.params.get("case_file"))
     return [f"{head}{comma}{name}" for name in known if name.startswith(last)]
 
 
-def _cases(file: str | None) -> Iterable[str]:
-    from harness.case_file import load_cases
-    from harness.cases import PRESETS
+def _known_names(argument: str, file: str | None) -> Iterable[str]:
+    """Return the names that an argument takes: of a case file too, if it was typed before."""
+    if argument in ("cases", "case"):
+        from harness.case_file import load_cases
+        from harness.cases import PRESETS
 
-    return [*PRESETS, *(load_cases(Path(file)) if file else ())]
+        return [*PRESETS, *(load_cases(Path(file)) if file else ())]
+    if argument == "only":
+        from harness.studies import STUDIES
 
-
-def _models(_file: str | None) -> Iterable[str]:
+        return [entry.name for entry in STUDIES]
     from reference_models import names
 
-    return names()
-
-
-def _references(file: str | None) -> Iterable[str]:
-    return ["usual", "quick", "all", *_models(file)]
-
-
-def _studies(_file: str | None) -> Iterable[str]:
-    from harness.studies import STUDIES
-
-    return [entry.name for entry in STUDIES]
-
-
-NAMES: dict[str, Callable[[str | None], Iterable[str]]] = {
-    "cases": _cases, "case": _cases, "model": _models, "models": _models, "against": _models,
-    "references": _references, "only": _studies,
-}  # fmt: skip
-"""Arguments whose names a shell can complete: of a case file too, if it was typed before."""
+    return ["usual", "quick", "all", *names()] if argument == "references" else names()
 
 
 def standard(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -91,34 +81,30 @@ def standard(*names: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
 def output(default: str | None = None) -> Callable[..., Any]:
     """Return the option --output: a folder, checked before anything is computed."""
-
-    def check(_context: Any, _option: Any, text: str | None) -> Path | None:
-        from harness.output import check_folder
-
-        return None if text is None else check_folder(text, writes=True)
-
     said = f"Folder for the files{f'; default {default}' if default else ''}."
-    return option("output", "DIR", said, default=default, callback=check)
+    return option("output", "DIR", said, default=default, callback=_folder)
 
 
 def history() -> Callable[..., Any]:
     """Return the option --history: a folder, or None where no history is kept."""
-
-    def check(_context: Any, _option: Any, text: str) -> Path | None:
-        from harness.output import check_folder
-
-        return None if text == "none" else check_folder(text, "history")
-
     said = "Folder of the history of runs, or none; default history, or $RPS_BENCH_HISTORY."
     return option("history", "DIR", said, envvar="RPS_BENCH_HISTORY", default="history",
-                  callback=check)  # fmt: skip
+                  callback=_folder)  # fmt: skip
+
+
+def _folder(_context: click.Context, given: click.Parameter, text: str | None) -> Path | None:
+    from harness.output import check_folder
+
+    if text is None or (given.name, text) == ("history", "none"):
+        return None
+    return check_folder(text, given.name or "", writes=given.name == "output")
 
 
 def time_limit(default: float | None = None) -> Callable[..., Any]:
     """Return the option --time-limit: seconds that a simulator may take for one pose."""
     from harness.workers import LIMIT
 
-    seconds = LIMIT if default is None else default
+    seconds = default or LIMIT
     return click.option(
         "--time-limit", metavar="S", type=click.FloatRange(min=0, min_open=True), default=seconds,
         help=f"Seconds that a simulator may take for one pose; default {seconds:g}.",

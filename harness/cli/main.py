@@ -18,25 +18,19 @@ from harness.studies import STUDIES
 from harness.threads import one_thread
 
 OTHERS = {
-    "reproduce": (
-        "reproduce:reproduce",
-        "Run every study and write the page, into results/latest.",
-    ),
-    "accept": ("check:accept", "Take results/latest as what README shows and the gate expects."),
-    "sweep": (
-        "sweep:sweep",
-        "Solve any poses by any models, on all cores or a cluster; resumable.",
-    ),
-    "check": ("check:check", "Check what moved since the accepted figures, and what must hold."),
-    "history": ("history:history", "List, filter, query and export the runs so far."),
-    "dashboard": ("dashboard:dashboard", "Make the page anew from the last run and the history."),
-    "new": ("new:new", "Write a commented template: case, mechanism, model, study or paper."),
-    "export": ("export:export", "Write a case as input files for a simulator of your own."),
-    "verify": ("verify:verify", "Tell a model's author what of it fails, and how."),
-    "models": ("lists:models", "List every model: its theory, version, and whether it can run."),
-    "cases": ("lists:cases", "List every case: its pose, and what of it was read or fitted."),
+    "reproduce": ("study", "Run every study and write the page, into results/latest."),
+    "accept": ("check", "Take results/latest as what README shows and the gate expects."),
+    "sweep": ("sweep", "Solve any poses by any models, on all cores or a cluster; resumable."),
+    "check": ("check", "Check what moved since the accepted figures, and what must hold."),
+    "history": ("history", "List, filter, query and export the runs so far."),
+    "dashboard": ("commands", "Make the page anew from the last run and the history."),
+    "new": ("commands", "Write a commented template: case, mechanism, model, study or paper."),
+    "export": ("commands", "Write a case as input files for a simulator of your own."),
+    "verify": ("commands", "Tell a model's author what of it fails, and how."),
+    "models": ("commands", "List every model: its theory, version, and whether it can run."),
+    "cases": ("commands", "List every case: its pose, and what of it was read or fitted."),
 }
-"""Commands that are no study: where each is in this package, and what it does."""
+"""Commands that are no study: the module of this package that has each, and what it does."""
 HELP = {entry.name: entry.help for entry in STUDIES} | {k: v[1] for k, v in OTHERS.items()}
 FIRST = """\
 rps-bench checks a published model of the 3-RPS manipulator against independent simulators.
@@ -64,15 +58,14 @@ class Commands(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Return a command, loaded now, or None where there is none of that name."""
-        if cmd_name in OTHERS:
-            module, _, name = OTHERS[cmd_name][0].partition(":")
-            command: click.Command = getattr(import_module(f"harness.cli.{module}"), name)
-            return command
-        if cmd_name in HELP:
-            from harness.cli.study import study_command
-
-            return study_command(cmd_name)
-        return None
+        if cmd_name not in HELP:
+            return None
+        module, _ = OTHERS.get(cmd_name, ("study", ""))
+        found = import_module(f"harness.cli.{module}")
+        command: click.Command = (
+            getattr(found, cmd_name) if cmd_name in OTHERS else found.study_command(cmd_name)
+        )
+        return command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -121,7 +114,11 @@ def main() -> None:
         _say(f"cannot show more: the standard output takes nothing ({error.strerror})")
         sys.exit(1)
     except Exception as error:
-        if not _is_sentence(error):
+        from analytic import InputError  # to load what it might be takes a while
+        from harness.output import OutputError
+        from reference_models import UnavailableError
+
+        if not isinstance(error, (InputError, UnavailableError, OutputError)):
             raise
         _say(dashed(str(error)))
         sys.exit(2)
@@ -151,15 +148,6 @@ def _hush() -> None:
 
 def _say(sentence: str) -> None:
     click.echo(f"rps-bench: {plain(sentence)}", err=True)
-
-
-def _is_sentence(error: Exception) -> bool:
-    """Whether `error` says to the user what is wrong; loading what it might be takes a while."""
-    from analytic import InputError
-    from harness.output import OutputError
-    from reference_models import UnavailableError
-
-    return isinstance(error, (InputError, UnavailableError, OutputError))
 
 
 @click.group(

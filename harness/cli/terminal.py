@@ -2,7 +2,7 @@
 
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -22,29 +22,22 @@ class Bar(Listener):
     """A progress bar on the terminal's error stream: what runs, for how long, and how long yet."""
 
     def __init__(self) -> None:
+        from rich import progress
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            Progress,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
         from rich.table import Column
 
         console = Console(stderr=True)
-        self._bar = Progress(
-            TextColumn(  # as wide as the other columns leave it
+        self._bar = progress.Progress(
+            progress.TextColumn(  # as wide as the other columns leave it
                 "{task.description}",
                 markup=False,
                 table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis"),
             ),
-            BarColumn(12),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("left:"),
-            TimeRemainingColumn(),
+            progress.BarColumn(12),
+            progress.MofNCompleteColumn(),
+            progress.TimeElapsedColumn(),
+            progress.TextColumn("left:"),
+            progress.TimeRemainingColumn(),
             console=console,
             transient=True,
             expand=True,
@@ -105,8 +98,7 @@ class Written:
 
     def say(self) -> int:
         """Name files and failures; return the exit status. Raises why the history is not kept."""
-        for path in self.paths:
-            click.echo(f"wrote {plain(str(path))}")
+        wrote(self.paths)
         for what, why in self.failures.items():
             click.echo(f"rps-bench: {plain(f'{what} failed: {why}')}", err=True)
         for why in dict.fromkeys(self.refusals.values()):
@@ -121,36 +113,24 @@ class Written:
 def finish(results: Mapping[str, "Result"], output: Path | None, history: Path | None) -> Written:
     """Write the results' files and their rows of the history; return what was written."""
     from harness.output import OutputError, result_files, write_all
+    from harness.text import GROUPS
 
-    paths: list[Path] = []
-    if output is not None:
-        files: dict[str, bytes] = {}
-        for stem, result in results.items():
-            files |= result_files(result, stem)
-        paths = write_all(output, files)
+    paths = () if output is None else write_all(output, result_files(results))
     unwritten = None
     if history is not None:
         try:
-            append_rows(history, results)
+            _append_rows(history, results)
         except OutputError as error:  # what was found is shown all the same
             unwritten = error
-    failures: dict[str, str] = {}
-    refusals: dict[str, str] = {}
-    for result in results.values():
-        failures |= result.failures()
-        refusals |= result.refusals()
-    return Written(tuple(paths), failures, unwritten, refusals, _named())
-
-
-def _named() -> bool:
-    """Return whether the command line names its references, rather than takes a group of them."""
-    from harness.text import GROUPS
-
+    failures = {what: why for one in results.values() for what, why in one.failures().items()}
+    refusals = {what: why for one in results.values() for what, why in one.refusals().items()}
+    # Whether the command line names its references, rather than takes a group of them.
     context = click.get_current_context(silent=True)
-    return context is not None and context.params.get("references") not in (None, *GROUPS)
+    asked = context is not None and context.params.get("references") not in (None, *GROUPS)
+    return Written(tuple(paths), failures, unwritten, refusals, asked)
 
 
-def append_rows(history: Path, results: Mapping[str, "Result"]) -> None:
+def _append_rows(history: Path, results: Mapping[str, "Result"]) -> None:
     """Append the rows of a run to the history, each once for what tells it from the others.
 
     Parts of one command may share a model, whose rows differ in seconds at most: the first's.
@@ -166,6 +146,12 @@ def append_rows(history: Path, results: Mapping[str, "Result"]) -> None:
         from harness.history.store import append
 
         append(history, [*found.values()], as_typed())
+
+
+def wrote(paths: Iterable[Path]) -> None:
+    """Name the files that were written."""
+    for path in paths:
+        click.echo(f"wrote {plain(str(path))}")
 
 
 def show(results: Mapping[str, "Result"]) -> None:

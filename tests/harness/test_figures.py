@@ -26,7 +26,7 @@ def result() -> Result:
 
 
 def test_every_figure_is_svg_png_and_pdf(result: Result) -> None:
-    files = result_files(result, "fig")
+    files = result_files({"fig": result})
     assert files["fig.svg"].startswith(b"<?xml") and files["fig.pdf"].startswith(b"%PDF")
     image = Image.open(io.BytesIO(files["fig.png"]))
     assert image.info["dpi"] == pytest.approx((300, 300), abs=0.1)
@@ -34,9 +34,9 @@ def test_every_figure_is_svg_png_and_pdf(result: Result) -> None:
 
 
 def test_figures_do_not_depend_on_the_users_style(result: Result) -> None:
-    usual = result_files(result, "fig")
+    usual = result_files({"fig": result})
     with mpl.rc_context(USERS):
-        assert result_files(result, "fig") == usual
+        assert result_files({"fig": result}) == usual
 
 
 @pytest.mark.parametrize("scale", ["linear", "log"])

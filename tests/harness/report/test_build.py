@@ -370,7 +370,7 @@ def test_parts_without_results_make_a_page() -> None:
 def test_the_command(made: Any, tmp_path: Path) -> None:
     from click.testing import CliRunner
 
-    from harness.cli.dashboard import dashboard
+    from harness.cli.commands import dashboard
 
     file = tmp_path / "new" / "page.html"
     given = ["--results", str(made.results), "--history", "none"]
