@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,33 +30,21 @@ def relative_error(theory: ArrayLike, reference: ArrayLike) -> Array:
     return np.asarray(100 * (ratio - 1))
 
 
-@dataclass(frozen=True)
-class Match:
-    """The modes of a theory beside their partners, by shape, in a reference.
+class Match(NamedTuple):
+    """The modes of a theory beside their partners, by shape, in a reference, each (count,).
 
-    Attributes: `ours`, `against` and its `uncertainty` [Hz], NaN where it states none, each of
-    shape (count,); `pairing` of the two.
+    Attributes: `ours`, `against` and its `uncertainty` [Hz]; the theory's `error` and the
+    reference's `own` uncertainty [%], NaN where it states none; `odd`: which modes have a partner
+    that their order does not suggest, or none; `pairing` of the two.
     """
 
     ours: Array
     against: Array
     uncertainty: Array
+    error: Array
+    own: Array
+    odd: NDArray[np.bool_]
     pairing: Pairing
-
-    @property
-    def error(self) -> Array:
-        """The theory's error [%], (count,)."""
-        return relative_error(self.ours, self.against)
-
-    @property
-    def own(self) -> Array:
-        """The reference's uncertainty [%], (count,)."""
-        return relative_error(self.against + self.uncertainty, self.against)
-
-    @property
-    def odd(self) -> NDArray[np.bool_]:
-        """Which modes have a partner that their order does not suggest, or none, (count,)."""
-        return self.pairing.reordered | self.pairing.doubtful
 
 
 def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | None:
@@ -65,9 +53,24 @@ def match(study: Study, case: Case, theory: Model, reference: Model) -> Match | 
     if pairing is None:
         return None
     ours, modes = (study.answers[case, model] for model in (theory, reference))
-    f, own, place = modes.frequencies, modes.uncertainty, pairing.partner
-    own = np.full(len(f), np.nan) if own is None else own
-    return Match(ours.frequencies[: study.count], f[place], own[place], pairing)
+    f, place = ours.frequencies[: study.count], pairing.partner
+    against, uncertainty = modes.frequencies[place], np.full(len(place), np.nan)
+    if modes.uncertainty is not None:
+        uncertainty = modes.uncertainty[place]
+    own = relative_error(against + uncertainty, against)
+    odd = pairing.reordered | pairing.doubtful
+    return Match(f, against, uncertainty, relative_error(f, against), own, odd, pairing)
+
+
+def errors(
+    study: Study, theory: Model, reference: Model, cases: Sequence[Case] = (), what: str = "error"
+) -> Array:
+    """Return the errors of `theory` [%], (cases, count), by default of all; NaN where one failed.
+
+    `what`: another attribute of `Match`.
+    """
+    found = [match(study, case, theory, reference) for case in cases or study.cases]
+    return np.array([getattr(one, what) if one else np.full(study.count, np.nan) for one in found])
 
 
 @dataclass(frozen=True)
@@ -92,12 +95,6 @@ class AgainstElements(Result):
         meshes = [replace(theory, elements=s) for s in request.steps]
         study = bench.run(request.cases, [reference, *meshes, *models], request.count)
         return cls(study, theory, reference, request.steps, request.shown, **more)
-
-
-def errors(study: Study, theory: Model, reference: Model) -> Array:
-    """Return the errors of `theory` [%], (cases, count); NaN where either failed."""
-    found = [match(study, case, theory, reference) for case in study.cases]
-    return np.array([np.full(study.count, np.nan) if m is None else m.error for m in found])
 
 
 def cell(

@@ -8,8 +8,7 @@ from analytic import InputError
 from analytic.errors import unknown
 from harness.bench import Bench
 from harness.plain import plain
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.result import Result
 from harness.studies import STUDIES, Entry
 from harness.text import options

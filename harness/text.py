@@ -13,7 +13,6 @@ from harness import plugins  # noqa: F401  models of other packages stay out of 
 from harness.case import Case
 from harness.case_file import load_cases
 from harness.cases import select
-from harness.plan import Plan
 from harness.presets import (
     DEFAULTS,
     PAPER_CASES,
@@ -23,7 +22,7 @@ from harness.presets import (
     quick,
     solid_truth,
 )
-from harness.request import Request
+from harness.request import Plan, Request
 from reference_models import Named, UnavailableError, catalogue, parse
 
 MOST_ELEMENTS = 512

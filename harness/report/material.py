@@ -10,9 +10,9 @@ from analytic import Modes
 from analytic.model import Model
 from harness.bench import SPARE, Study, label
 from harness.case import Case
-from harness.plan import Plan
 from harness.report.ledger import Fields, Ledger, answer, environment
 from harness.reproduce import Part
+from harness.request import Plan
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.studies import find

@@ -24,9 +24,8 @@ from harness.compare import (
     span,
 )
 from harness.figures import COLOURS, panels
-from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.signatures import Array, Axes, Figure
 from harness.studies.refinement import Ladder, Verification, ladder, verified
 from harness.tables import Row, Table

@@ -16,12 +16,10 @@ from harness.compare import (
     cells,
     errors,
     failure_notes,
-    match,
     pairing_notes,
 )
 from harness.figures import look, panels, write_ends
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.signatures import Array, Figure
 from harness.studies.refinement import MESHES, ROUNDING, Family
 from harness.tables import Row, Table
@@ -51,9 +49,9 @@ class Convergence(AgainstElements):
 
         NaN where the theory has no limit, or one of the two failed.
         """
-        limit = self.theory.limit()
-        found = None if limit is None else match(self.study, case, limit, self.reference)
-        return np.full(self.study.count, np.nan) if found is None else found.error
+        if (limit := self.theory.limit()) is None:
+            return np.full(self.study.count, np.nan)
+        return np.asarray(errors(self.study, limit, self.reference, [case])[0])
 
     def order(self, case: Case) -> Array:
         """Return the observed order from each s to the next, shape (len(elements) - 1, count).

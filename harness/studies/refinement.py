@@ -15,8 +15,7 @@ from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES, exact
 from harness.compare import cell, cells, failure_notes, largest, match, percent, relative_error
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.result import Result
 from harness.tables import Number, Table
 from reference_models import Named
@@ -177,27 +176,17 @@ class Family:
         return self.steps[-1].info().order
 
     @property
-    def orders(self) -> list[float]:
-        """The least and the largest observed order; NaN where none can be read."""
-        known = [one.order for one in self.seen.values() if math.isfinite(one.order)]
-        return [min(known), max(known)] if known else [math.nan, math.nan]
-
-    @property
-    def band(self) -> float:
-        """The widest band of a mode [%]."""
-        return largest([one.band for one in self.seen.values()])
-
-    @property
-    def off(self) -> float:
-        """How far limits lie from the exact ones, at most [%]; NaN without these."""
+    def summary(self) -> tuple[float, float, float, float, str]:
+        """The least and the largest observed order, the widest band of a mode [%], how far limits
+        lie from exact ones at most [%], NaN where not known; how many frequencies have a warning.
+        """
+        orders = [one.order for one in self.seen.values()]
+        low, high = (float(end.reduce(orders, initial=np.nan)) for end in (np.fmin, np.fmax))
         limits = [self.seen[key].limit for key in self.exact]
-        return largest(relative_error(limits, [*self.exact.values()]))
-
-    @property
-    def warned(self) -> str:
-        """How many frequencies have a warning, of how many."""
+        off = largest(relative_error(limits, [*self.exact.values()]))
         warned = sum(bool(one.remark) and not one.converged for one in self.seen.values())
-        return f"{warned} of {len(self.seen)}"
+        band = largest([one.band for one in self.seen.values()])
+        return low, high, band, off, f"{warned} of {len(self.seen)}"
 
     def misses(self) -> dict[Case, list[str]]:
         """Return the modes whose limit lies further from the exact one than its band, by case."""
@@ -255,11 +244,20 @@ class Refinement(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return one table of all models, and one a model: mode by mode."""
-        rows = [
-            (one.name, one.meshes, f"{one.formal:g}", *cells(one.orders), cell(one.band, 4),
-             cell(one.off, 4), one.warned)
-            for one in self.families
-        ]  # fmt: skip
+        rows = []
+        for one in self.families:
+            *orders, band, off, warned = one.summary
+            rows.append(
+                (
+                    one.name,
+                    one.meshes,
+                    f"{one.formal:g}",
+                    *cells(orders),
+                    cell(band, 4),
+                    cell(off, 4),
+                    warned,
+                )
+            )
         columns = ("Model", "Elements", "formal order", "least", "largest order", "GCI [%]",
                    "from its exact limit [%]", "Warnings")  # fmt: skip
         notes = (
@@ -277,13 +275,13 @@ class Refinement(Result):
         for one in self.families:
             if not one.seen:
                 continue
-            low, high = one.orders
+            low, high, band, off, warned = one.summary
             known = "not to be read" if math.isnan(low) else f"{low:.2f} to {high:.2f}"
-            meets = f"; its limit lies {percent(one.off, 'at most ')} from the exact one"
+            meets = f"; its limit lies {percent(off, 'at most ')} from the exact one"
             lines.append(
                 f"{one.name}, {one.meshes} elements: order {known} (in theory {one.formal:g}), GCI "
-                f"{percent(one.band, 'at most ')} of the finest, {one.warned} frequencies with a "
-                f"warning{'' if math.isnan(one.off) else meets}."
+                f"{percent(band, 'at most ')} of the finest, {warned} frequencies with a "
+                f"warning{'' if math.isnan(off) else meets}."
             )
         return lines
 

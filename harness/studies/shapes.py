@@ -15,8 +15,7 @@ from harness.case import Case
 from harness.compare import Match, at, cell, failure_notes, match
 from harness.drawing import AMPLITUDE, Drawn, drawn, scale
 from harness.figures import COLOURS, panels
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.result import Result
 from harness.signatures import Array, Figure
 from harness.tables import Table

@@ -1,9 +1,8 @@
 """How beam theory fares as rods grow stout: Euler-Bernoulli and Timoshenko against a reference."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,10 @@ from analytic.mechanism import Item
 from harness.bench import Bench, Study
 from harness.case import Case
 from harness.causes import THEORIES, exact
-from harness.compare import at, cells, failure_notes, match
+from harness.compare import at, cells, errors, failure_notes
 from harness.figures import look, panels
-from harness.plan import Plan
 from harness.presets import SOLIDS, quick
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.result import Result
 from harness.signatures import Array, Figure
 from harness.tables import Number, Row, Table
@@ -33,31 +31,19 @@ RATIOS = (0.05, 0.1, 0.15, 0.2)
 class Slenderness(Result):
     """Exact beam `theories` against `reference` as d/L grows: `cases` with rods of all `ratios`.
 
-    `study` behind the numbers; `shown`: mode numbers from 1.
+    `study` behind the numbers; `shown`: mode numbers from 1; `errors` by case and theory and the
+    reference's own `uncertainty` by case, (len(ratios), count) [%], NaN without an answer or at
+    0 Hz.
     """
 
-    cases: tuple[Case, ...]
-    ratios: tuple[float, ...]
-    theories: tuple[Named, ...]
+    cases: Sequence[Case]
+    ratios: Sequence[float]
+    theories: Sequence[Named]
     reference: Named
     study: Study
-    shown: tuple[int, ...]
-
-    def _by_ratio(self, case: Case, theory: Named, what: str) -> Array:
-        """Return `what` of a `Match` at each d/L, (len(ratios), count) [%], NaN where none is."""
-        found = [match(self.study, with_rods(case, r), theory, self.reference) for r in self.ratios]
-        nothing = np.full(self.study.count, np.nan)
-        return np.array([nothing if m is None else getattr(m, what) for m in found])
-
-    @cached_property
-    def errors(self) -> dict[tuple[Case, Named], Array]:
-        """By case and theory, (len(ratios), count) [%]; NaN without an answer, or at 0 Hz."""
-        return {(c, t): self._by_ratio(c, t, "error") for c in self.cases for t in self.theories}
-
-    @cached_property
-    def uncertainty(self) -> dict[Case, Array]:
-        """The reference's own by case, (len(ratios), count) [%]."""
-        return {case: self._by_ratio(case, self.theories[-1], "own") for case in self.cases}
+    shown: Sequence[int]
+    errors: Mapping[tuple[Case, Named], Array]
+    uncertainty: Mapping[Case, Array]
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a case, theory, d/L and mode."""
@@ -151,9 +137,11 @@ def slenderness(
     bench: Bench,
 ) -> Slenderness:
     """Return how far `theories` are from `reference` at each d/L, modes paired by shape."""
-    stout = [with_rods(case, ratio) for case in cases for ratio in ratios]
-    study = bench.run(stout, [*theories, reference], max(shown))
-    return Slenderness(tuple(cases), tuple(ratios), tuple(theories), reference, study, tuple(shown))
+    stout = {case: [with_rods(case, ratio) for ratio in ratios] for case in cases}
+    study = bench.run(chain(*stout.values()), [*theories, reference], max(shown))
+    off = {(c, t): errors(study, t, reference, stout[c]) for c, t in product(cases, theories)}
+    own = {c: errors(study, theories[-1], reference, stout[c], "own") for c in cases}
+    return Slenderness(cases, ratios, theories, reference, study, shown, off, own)
 
 
 def run(request: Request, bench: Bench) -> Slenderness:

@@ -27,8 +27,7 @@ from harness.compare import (
     span,
 )
 from harness.paper import TABLE_ONE, THEORETICAL, Printed
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.result import Result
 from harness.signatures import Array
 from harness.tables import Number, Row, Table

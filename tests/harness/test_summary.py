@@ -5,8 +5,8 @@ import re
 import pytest
 
 from harness.bench import Bench
-from harness.plan import Plan
 from harness.reproduce import Part, chosen, reproduce, summaries
+from harness.request import Plan
 from harness.text import plan
 
 

@@ -13,8 +13,7 @@ from typing import Any
 from analytic import InputError
 from harness.bench import Bench
 from harness.paper import FORMS, Claim
-from harness.plan import Plan
-from harness.request import Option, Request
+from harness.request import Option, Plan, Request
 from harness.result import Result
 from harness.studies.claims import check_cost, check_mechanism, check_numbers
 from harness.studies.claims.facts import (

@@ -12,9 +12,8 @@ from analytic import InputError, Substructure
 from harness.bench import Bench
 from harness.case import Case
 from harness.compare import cell, cells
-from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS
-from harness.request import Option, Request, whole
+from harness.request import Option, Plan, Request, whole
 from harness.result import Result
 from harness.signatures import Array, Figure
 from harness.studies.cost.cores import Throughput, cores_table, throughput

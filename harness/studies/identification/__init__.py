@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 from analytic import InputError
 from harness.bench import Bench
-from harness.plan import Plan
-from harness.request import Option, Request, one_of, real, whole
+from harness.request import Option, Plan, Request, one_of, real, whole
 from harness.text import split
 
 if TYPE_CHECKING:

@@ -14,9 +14,8 @@ from harness.bench import SPARE, Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES
 from harness.compare import failure_notes, relative_error
-from harness.plan import Plan
 from harness.presets import PAPER_ELEMENTS, solid_truth
-from harness.request import Option, Request, whole
+from harness.request import Option, Plan, Request, whole
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.signatures import Array, Figure

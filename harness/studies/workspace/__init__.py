@@ -12,9 +12,8 @@ from analytic.model import Model
 from analytic.workspace import heights
 from harness.bench import Bench, label
 from harness.causes import exact_chain
-from harness.plan import Plan
 from harness.poses import columns
-from harness.request import Option, Request, real
+from harness.request import Option, Plan, Request, real
 from harness.result import Result
 from harness.signatures import Array, Figure
 from harness.studies.workspace.checks import (

@@ -15,8 +15,8 @@ from harness.cases import PRESETS
 from harness.gate.plan import standard
 from harness.gate.yardstick import YARDSTICK
 from harness.history.store import open_history
-from harness.plan import Plan
 from harness.report.page import FILE, FORMAT, VERSION, page_files
+from harness.request import Plan
 from harness.studies import STUDIES
 from reference_models import Named
 

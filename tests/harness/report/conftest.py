@@ -18,9 +18,9 @@ from analytic import Mechanism, Pose, condensed_frequencies
 from harness.bench import Bench, run
 from harness.cases import PRESETS
 from harness.history import store
-from harness.plan import Plan
 from harness.report.page import page_files, render
 from harness.reproduce import Part, chosen, reproduce
+from harness.request import Plan
 from harness.result import Result
 from harness.rows import mechanism_hash
 from harness.studies import find

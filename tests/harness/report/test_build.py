@@ -18,13 +18,13 @@ from harness.bench import Bench
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.history import store
-from harness.plan import Plan
 from harness.report import history, maps, recorded
 from harness.report.ledger import Ledger, variant
 from harness.report.page import content, load, load_check, page_files, render, renewed
 from harness.report.recorded import Recorded, read_recorded
 from harness.report.sections import VERDICTS
 from harness.reproduce import Part
+from harness.request import Plan
 from harness.rows import MANY_POSES, mechanism_hash
 from harness.studies import find
 from reference_models import Named

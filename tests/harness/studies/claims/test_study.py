@@ -11,7 +11,7 @@ from analytic import InputError
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.paper import Claim
-from harness.plan import Plan
+from harness.request import Plan
 from harness.studies import claims as study
 from harness.studies.claims import Claims, facts, judge, select
 from harness.studies.claims.facts import (

@@ -25,7 +25,7 @@ from harness.bench import Bench
 from harness.case import Case
 from harness.case_file import load_cases
 from harness.figures import picture
-from harness.plan import Plan
+from harness.request import Plan
 from harness.rows import PLANE
 from harness.studies import stiffness, workspace
 from harness.studies.workspace.plane import Plane, PlaneMap, plane_map

@@ -16,8 +16,7 @@ from analytic.workspace import inscribed
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.figures import picture
-from harness.plan import Plan
-from harness.request import Request
+from harness.request import Plan, Request
 from harness.rows import MAP, mechanism_hash
 from harness.studies import workspace
 from harness.studies.workspace import Workspace, figures
