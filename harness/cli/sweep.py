@@ -68,7 +68,7 @@ def sweep(
         from harness.cases import select
         from harness.cli.terminal import Bar, Written, show_tables
         from harness.sweep.engine import Patience, engine
-        from harness.sweep.journal import NAME, Journal
+        from harness.sweep.jobs import NAME, Journal
         from harness.sweep.pose_sets import pose_set
         from harness.sweep.session import carry_out
         from harness.sweep.sweep import Sweep, estimate
@@ -85,28 +85,28 @@ def sweep(
         file = texts["case_file"]
         (at,) = select([texts["case"]], load_cases(Path(file)) if file is not None else {})
         everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
-        study = Sweep(at.mechanism, pose_set(texts["poses"], at.mechanism), everything, max(shown))
+        poses = pose_set(texts["poses"], at.mechanism)
         again = "".join(
             f" {flags.flag(name)} {shlex.quote(str(texts[name]))}"
             for name, usual in (("modes", "1-6"), ("case", "case1"), ("case_file", None))
             if texts[name] != usual
         )
-        processes = len(study.poses) * sum(model.info().isolated for model in everything)
+        processes = len(poses) * sum(model.info().isolated for model in everything)
         patience = Patience(time_limit, tries)
         here = stack.enter_context(engine(at_once, scheduler, patience, processes, children))
-        if output is None or (dry_run and not (output / NAME).exists()):
+        folder = output
+        if folder is None or (dry_run and not (folder / NAME).exists()):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        else:
-            folder = output
         journal = stack.enter_context(Journal(folder))
+        study = Sweep(at.mechanism, poses, everything, max(shown), journal, here)
         if dry_run:
-            show_tables(estimate(study, journal, here))
+            show_tables(estimate(study))
             return 0
         with Bar() as bar:
-            bar.expect(len(study.poses) * len(everything))
+            bar.expect(len(poses) * len(everything))
             found = carry_out(
-                study, journal, here, folder / f"frequencies.{form}", shown, reference,
-                listener=lambda job: bar.done(label(job.model), len(job.poses)), again=again,
+                study, folder / f"frequencies.{form}", shown, reference, again=again,
+                listener=lambda job: bar.done(label(job.model), len(job.poses)),
                 history=None if history is None else (history, flags.as_typed()),
             )  # fmt: skip
         show_tables(*(t for name, t in found.made.items() if t.rows or name != "failures"))

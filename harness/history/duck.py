@@ -96,9 +96,9 @@ def constant(text: object) -> str:
 
 
 def one_of(texts: Sequence[str], number: str) -> str:
-    """Return that of some texts whose `number` from 0 a column or an expression says."""
-    if len({*texts}) == 1:
-        return constant(texts[0])
+    """Return that of some texts whose `number` from 0 a column says; "" where there are none."""
+    if len({*texts}) < 2:
+        return constant("".join({*texts}))
     known = ", ".join(map(quoted, dict.fromkeys(texts)))
     return f"CAST([{', '.join(map(quoted, texts))}][{number} + 1] AS ENUM({known}))"
 

@@ -9,7 +9,7 @@ from time import monotonic
 from typing import Any
 
 from analytic import InputError
-from harness.sweep.engine import Patience
+from harness.sweep.engine import Engine, Patience
 from harness.workers import Children, Task
 
 REACH = 10.0
@@ -24,7 +24,7 @@ def _on_worker(task: Task, patience: Patience) -> object:
     return _of_this_worker.attempt(task, patience.limit, patience.tries)
 
 
-class Cluster:
+class Cluster(Engine):
     """A Dask cluster. Every thread of a worker has a process of its own for its jobs.
 
     Raises `InputError` for an `address` without a scheduler, or one without workers.
@@ -51,33 +51,13 @@ class Cluster:
             why = str(error).splitlines()[0] if str(error) else type(error).__name__
             expected = f"the address of a running Dask scheduler, tcp://HOST:PORT ({why})"
             raise InputError("scheduler", address, expected) from None
-        self.cores = self._threads()
+        self.cores = 0
+        with suppress(OSError, RuntimeError, ValueError):  # the scheduler does not answer
+            self.cores = sum(_within(REACH, self._client.nthreads).values())
         if not self.cores:
             self.close()
             raise InputError("scheduler", address, "a Dask cluster with at least one worker")
         self._gone: float | None = None
-
-    def _threads(self) -> int:
-        """Return how many threads all workers have; 0 where the scheduler does not answer."""
-        try:
-            return sum(_within(REACH, self._client.nthreads).values())
-        except (OSError, RuntimeError, ValueError):
-            return 0
-
-    def _silent(self) -> list[float] | None:
-        """Return for how long each worker has not been heard of [s]; None without a scheduler."""
-
-        def there(dask_scheduler: Any = None) -> list[float]:
-            import time
-
-            known = dask_scheduler.workers.values()
-            return [time.time() - worker.last_seen for worker in known]
-
-        try:
-            found: list[float] = _within(REACH, lambda: self._client.run_on_scheduler(there))
-        except Exception:  # whatever it is, that is no answer
-            return None
-        return found
 
     def submit(self, task: Task) -> Any:
         """Return a future of the task's answer, or of a `Failure`."""
@@ -89,8 +69,19 @@ class Cluster:
         That is also where they are stopped: the scheduler does not answer, or has heard of no
         worker for as long.
         """
+
+        def heard(dask_scheduler: Any = None) -> list[float]:
+            """Return when each worker was last heard of, seconds ago; runs in the scheduler."""
+            import time
+
+            known = dask_scheduler.workers.values()
+            return [time.time() - worker.last_seen for worker in known]
+
         status, now = self._client.status, monotonic()
-        silent = self._silent() if status == "running" else None
+        silent: list[float] | None = None
+        if status == "running":
+            with suppress(Exception):  # whatever it is, that is no answer
+                silent = _within(REACH, lambda: self._client.run_on_scheduler(heard))
         if silent and min(silent) < max(REACH, len(silent) / BEATS):
             self._gone = None
             return

@@ -4,7 +4,6 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,57 +14,35 @@ from analytic.pairing import pair
 from harness.answer import solved
 from harness.bench import label
 from harness.compare import cell, cells, relative_error
-from harness.poses import COLUMNS, columns, headings, used
+from harness.history.duck import constant, one_of
 from harness.poses import cells as pose_cells
-from harness.sweep.engine import Engine, run
-from harness.sweep.journal import Journal
+from harness.poses import columns, headings, used
+from harness.sweep.engine import run
+from harness.sweep.jobs import BATCH
 from harness.sweep.long_table import TABLE, LongTable
-from harness.sweep.mode_check import beams_of, check_modes
+from harness.sweep.mode_check import Floats, beams_of, check_modes, frequencies
 from harness.sweep.pose_sets import written
 from harness.sweep.sweep import Sweep
 from harness.tables import Cell, Table
 from harness.workers import Failure
 
-Floats = NDArray[np.float64]
 STILL = 1e-6
 """A centre line that moves less than this part of the most that any does is one of torsion."""
 NAMED = 5
 """Poses named whose modes are miscounted."""
 _BY_MODE = f"""
-SELECT mode, count(e), ifnull(sqrt(favg(e * e)), 'nan'), ifnull(favg(e), 'nan'),
-  ifnull(arg_max(e, abs(e)), 'nan'), ifnull(arg_max(pose, abs(e)), 0)
-FROM (SELECT mode, pose, error_percent AS e FROM {TABLE} WHERE model = ?)
-GROUP BY mode ORDER BY mode
+SELECT which, mode, ifnull(arg_max(e, abs(e)), 'nan'), ifnull(sqrt(favg(e * e)), 'nan'),
+  ifnull(favg(e), 'nan'), ifnull(arg_max(pose, abs(e)), 0)
+FROM (SELECT which, mode, pose, error_percent AS e FROM {TABLE})
+GROUP BY which, mode ORDER BY which, mode
 """
-
-ERRORS = {
-    "pose": "BIGINT",
-    **dict.fromkeys(COLUMNS, "DOUBLE"),
-    "model": "VARCHAR",
-    "against": "VARCHAR",
-    "mode": "BIGINT",
-    "error_percent": "DOUBLE",
-}
-
-
-@dataclass(frozen=True)
-class ModeErrors:
-    """The errors [%] of one mode over all poses: `known` of them; NaN where there is none.
-
-    `worst`, with its sign, is that of the pose number `where`, 0 where none is known.
-    """
-
-    mode: int
-    known: int
-    rms: float
-    mean: float
-    worst: float
-    where: int
+"""Of each model and mode the largest error with its sign, rms, mean, and the worst pose, or 0."""
 
 
 @dataclass
-class Errors:
-    """Errors of `model` against another: by mode, and where its modes are miscounted.
+class Compared:
+    """`model` beside another at `poses`; how many modes were `counted` there, by mode, how many of
+    them wrongly, and the numbers of the `wrong` poses.
 
     Modes are paired by order: a sweep keeps no shapes. Sorted lists differ least when paired by
     order, so where modes cross between the models an error here may be too small, by no more than
@@ -79,109 +56,138 @@ class Errors:
     miscounted: NDArray[np.int64]
     poses: int = 0
     wrong: list[int] = field(default_factory=list)
-    modes: list[ModeErrors] = field(default_factory=list)
 
 
 def compare(
-    sweep: Sweep, journal: Journal, against: Model, modes: Sequence[int], file: Path
-) -> list[Errors]:
-    """Write the error of every other model at every pose; return what they come to.
+    sweep: Sweep, against: Model, modes: Sequence[int], file: Path, command: str
+) -> dict[str, Table]:
+    """Write the error of every other model at every pose; return "errors", what they come to by
+    mode, and "worst", the worst poses, their errors paired by shape, and how to see them again.
 
     Where one of two models has no torsion of limbs, the other is taken without it if it can be.
+    `command`: further options of the command that shows a pose.
     """
-    gathered = []
-    pick = np.array(modes) - 1
-    theory = beams_of(against)
-    where = used([sweep.poses])
-    kinds = {n: kind for n, kind in ERRORS.items() if n not in COLUMNS or n in where}
+    where, pick, theory = used([sweep.poses]), np.array(modes) - 1, beams_of(against)
+    others: list[Compared] = []
+    kinds = {"pose": "BIGINT", "which": "BIGINT"}
+    kinds |= dict.fromkeys((*where, "error_percent"), "DOUBLE")
     with LongTable(file, kinds, ["error_percent"], modes) as table:
         for model in sweep.models:
             if model == against:
                 continue
             torsion = model.info().torsion and against.info().torsion
-            errors = Errors(model, torsion, *np.zeros((2, len(pick)), dtype=np.int64))
-            gathered.append(errors)
-            for start, stop in sweep.blocks():
-                ours, assumed = _block(sweep, journal, model, start, stop, torsion)
-                theirs, theirs_in = _block(sweep, journal, against, start, stop, torsion)
+            one = Compared(model, torsion, *np.zeros((2, len(pick)), dtype=np.int64))
+            for start in sweep.blocks():
+                ours, assumed = _block(sweep, model, start, torsion)
+                theirs, theirs_in = _block(sweep, against, start, torsion)
                 here = np.flatnonzero(~np.isnan(ours[:, 0] + theirs[:, 0]))
                 if not len(here):
                     continue
                 poses, numbers = sweep.poses[start + here], start + here + 1
-                errors.poses += len(here)
+                one.poses += len(here)
                 if theory is not None and model.info().isolated and assumed == theirs_in:
                     check = check_modes(ours[here], sweep.mechanism, poses, theory, torsion)
-                    errors.counted += check.counted.sum(axis=0)[pick]
-                    errors.miscounted += check.wrong.sum(axis=0)[pick]
-                    errors.wrong += numbers[check.wrong.any(axis=1)].tolist()
-                block: dict[str, Any] = {
-                    "pose": numbers, **{name: columns(poses)[name] for name in where},
-                    "model": label(model), "against": label(against),
-                    "error_percent": relative_error(ours[here], theirs[here])[:, pick],
-                }  # fmt: skip
-                table.add(block)
-            found = table.base.execute(_BY_MODE, [label(model)]).fetchall()
-            errors.modes = [ModeErrors(*row) for row in found]
-        table.write()
-    return gathered
+                    one.counted += check.counted.sum(axis=0)[pick]
+                    one.miscounted += check.wrong.sum(axis=0)[pick]
+                    one.wrong += numbers[check.wrong.any(axis=1)].tolist()
+                error = relative_error(ours[here], theirs[here])[:, pick]
+                block = {"pose": numbers, "which": len(others), "error_percent": error}
+                table.add(columns(poses) | block)
+            others.append(one)
+        found = table.base.execute(_BY_MODE).fetchall()
+        names = [label(one.model) for one in others]
+        texts = {"model": one_of(names, "which"), "against": constant(label(against))}
+        table.write(
+            {name: name for name in ("pose", *where)}
+            | texts
+            | {name: name for name in ("mode", "error_percent")}
+        )
 
+    def check_of(which: int, number: int) -> ShapeCheck:
+        one, pose = others[which], sweep.poses[number - 1]
+        return ShapeCheck(sweep.mechanism, pose, one.model, against, sweep.count, one.torsion)
 
-def _block(
-    sweep: Sweep, journal: Journal, model: Model, start: int, stop: int, torsion: bool
-) -> tuple[Floats, set[str]]:
-    """Return frequencies (stop - start, count), NaN where a job is not finished; the theory."""
-    values, theory = np.full((stop - start, sweep.count), np.nan), set()
-    beams = None if torsion else beams_of(model)
-    for job, answer in sweep.answers(journal, model, start, stop):
-        found = answer.frequencies
-        if beams is not None:
-            found = beams.frequencies(job.mechanism, job.poses, job.count, torsion=False)
-        values[job.start - start :][: len(job.poses)] = found
-        theory.add(answer.theory)
-    return values, theory
-
-
-def error_table(gathered: list[Errors], against: Model) -> Table:
-    """Largest, rms and mean error of each model and mode over all poses."""
+    bad = {(which, number): None for which, *_, number in found if number}
+    by_shape = dict(run(sweep.engine, [check_of(*key) for key in bad]))
     rows: list[tuple[Cell, ...]] = []
-    for errors in gathered:
-        for k, mode in enumerate(errors.modes):
-            counts = f"{errors.miscounted[k]} of {errors.counted[k]}"
-            counts = counts if errors.counted.any() else "-"
-            numbers = cells([abs(mode.worst), mode.rms], 6) + cells([mode.mean], 6, signed=True)
-            rows.append((label(errors.model), f"f{mode.mode}", errors.poses, *numbers, counts))
-    columns = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)", "Miscounted")
+    worst_rows: list[tuple[Cell, ...]] = []
+    for which, mode, worst, rms, mean, number in found:
+        one, name = others[which], (names[which], f"f{mode}")
+        counts = "-"
+        if one.counted.any():
+            k = list(modes).index(mode)
+            counts = f"{one.miscounted[k]} of {one.counted[k]}"
+        errors = *cells([abs(worst), rms], 6), cell(mean, 6, signed=True)
+        rows.append((*name, one.poses, *errors, counts))
+        if not number:
+            continue
+        again = check_of(which, number)
+        result = by_shape[again]
+        pairs: tuple[Cell, ...] = ("-", "-")
+        if not isinstance(result, Failure):
+            shape, assurance = (values[mode - 1] for values in result)
+            pairs = (cell(shape, 6, signed=True), cell(assurance, 3))
+        place = pose_cells(columns(again.pose), where, 3)
+        worst_rows.append((*name, cell(worst, 6, signed=True), *pairs, number, *place))
     notes = [
         "modes paired by order; shapes are looked at for the worst poses",
         "Miscounted: poses where the number of modes up to halfway to the next is not Wittrick and "
         "Williams' count; for simulators of the same theory, where the gap is clear of the error",
     ]
-    for errors in gathered:
-        notes += _torsion_note(errors, against)
-        if errors.counted.any():
-            named = ", ".join(map(str, errors.wrong[:NAMED]))
-            more = f": {named}{' ...' if len(errors.wrong) > NAMED else ''}" if named else ""
-            notes.append(
-                f"{label(errors.model)}: poses with a wrong mode count: "
-                f"{len(errors.wrong)} of {errors.poses}{more}"
-            )
-    return Table(f"Error against {label(against)}", columns, tuple(rows), tuple(notes))
+    for one in others:
+        notes += _notes(one, against)
+    heads = ("Model", "Mode", "Poses", "Largest (%)", "rms (%)", "Mean (%)", "Miscounted")
+    commands = tuple(
+        f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models "
+        f"{shlex.quote(','.join(names))} --against {shlex.quote(label(against))}{command}"
+        for n in sorted({number for _, number in bad})
+    )
+    worst_heads = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose")
+    return {
+        "errors": Table(f"Error against {label(against)}", heads, tuple(rows), tuple(notes)),
+        "worst": Table(
+            f"Worst poses against {label(against)}", (*worst_heads, *headings(where)),
+            tuple(worst_rows), commands,
+        ),
+    }  # fmt: skip
 
 
-def _torsion_note(errors: Errors, against: Model) -> list[str]:
-    """Say which modes were compared, where one of the two has no torsion of limbs."""
-    both = errors.model, against
+def _block(sweep: Sweep, model: Model, start: int, torsion: bool) -> tuple[Floats, set[str]]:
+    """Return frequencies (poses of a block, count), NaN where there is no answer; the theory."""
+    height = min(BATCH, len(sweep.poses) - start)
+    values, theory = np.full((height, sweep.count), np.nan), set()
+    beams = None if torsion else beams_of(model)
+    for job, answer in sweep.answers(model, start):
+        found = answer.frequencies
+        if beams is not None:
+            found = frequencies(job.mechanism, job.poses, job.count, beams, torsion=False)
+        values[job.start - start :][: len(job.poses)] = found
+        theory.add(answer.theory)
+    return values, theory
+
+
+def _notes(one: Compared, against: Model) -> list[str]:
+    """Say which modes were compared, where one of the two has no torsion of limbs, and where the
+    number of modes is wrong."""
+    both, notes = (one.model, against), []
     lacking = " and ".join(label(model) for model in both if not model.info().torsion)
     twisting = [model for model in both if model.info().torsion]
-    if not lacking:
-        return []
-    if all(beams_of(model) for model in twisting):
+    if lacking and all(map(beams_of, twisting)):
         with_it = "".join(f"; {label(model)} is taken without it" for model in twisting)
-        return [f"torsion of limbs, coupled to nothing, is not in {lacking}{with_it}"]
-    return [
-        f"torsion of limbs is not in {lacking}, but in {label(twisting[0])}: modes paired by order "
-        "need not be the same ones where it is among the lowest"
-    ]
+        notes.append(f"torsion of limbs, coupled to nothing, is not in {lacking}{with_it}")
+    elif lacking:
+        notes.append(
+            f"torsion of limbs is not in {lacking}, but in {label(twisting[0])}: modes paired by "
+            "order need not be the same ones where it is among the lowest"
+        )
+    if one.counted.any():
+        named = ", ".join(map(str, one.wrong[:NAMED]))
+        more = f": {named}{' ...' if len(one.wrong) > NAMED else ''}" if named else ""
+        notes.append(
+            f"{label(one.model)}: poses with a wrong mode count: "
+            f"{len(one.wrong)} of {one.poses}{more}"
+        )
+    return notes
 
 
 @dataclass(frozen=True)
@@ -223,40 +229,3 @@ class ShapeCheck:
                 names = ("frequencies", "platform", "limbs")
                 return replace(modes, **{n: getattr(modes, n)[bends] for n in names}).first(count)
             wanted += count - len(bends)
-
-
-def worst_table(
-    sweep: Sweep, gathered: list[Errors], against: Model, engine: Engine, command: str
-) -> Table:
-    """The worst pose of each mode, its error paired by shape, and how to see it again."""
-    checks = [
-        ShapeCheck(
-            sweep.mechanism, sweep.poses[n - 1], errors.model, against, sweep.count, errors.torsion
-        )
-        for errors in gathered
-        for n in sorted({mode.where for mode in errors.modes if mode.where})
-    ]
-    shown = used([sweep.poses])
-    by_shape = {(task.model, task.pose): result for task, result in run(engine, checks)}
-    rows: list[tuple[Cell, ...]] = []
-    for errors in gathered:
-        for mode in errors.modes:
-            if not mode.where:
-                continue
-            pose = sweep.poses[mode.where - 1]
-            result = by_shape[errors.model, pose]
-            pairs: tuple[Cell, ...] = ("-", "-")
-            if not isinstance(result, Failure):
-                shape, assurance = (values[mode.mode - 1] for values in result)
-                pairs = (cell(shape, 6, signed=True), cell(assurance, 3))
-            error = cell(mode.worst, 6, signed=True)
-            where: tuple[Cell, ...] = (mode.where, *pose_cells(columns(pose), shown, 3))
-            rows.append((label(errors.model), f"f{mode.mode}", error, *pairs, *where))
-    labels = shlex.quote(",".join(label(errors.model) for errors in gathered))
-    notes = tuple(
-        f"pose {n}: rps-bench sweep --poses {written(sweep.poses[n - 1])} --models {labels} "
-        f"--against {shlex.quote(label(against))}{command}"
-        for n in sorted({mode.where for errors in gathered for mode in errors.modes if mode.where})
-    )
-    names = ("Model", "Mode", "Error (%)", "By shape (%)", "Assurance", "Pose", *headings(shown))
-    return Table(f"Worst poses against {label(against)}", names, tuple(rows), notes)

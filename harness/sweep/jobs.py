@@ -1,12 +1,15 @@
-"""A job: one model at one block of poses; its content hash, and the work itself."""
+"""A job, one model at a block of poses, and the journal that keeps its answer on disk for good."""
 
+import pickle
+import sqlite3
 import sys
-from collections.abc import Iterator
+import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy
@@ -19,6 +22,7 @@ from harness import answer as answers
 from harness import declared
 from harness.answer import BatchTask, flaw, solved
 from harness.history.provenance import provenance
+from harness.output import OutputError
 from harness.poses import columns
 from reference_models import ModelError, Named, UnavailableError
 from reference_models.catalogue import asked
@@ -72,31 +76,27 @@ class Job:
         return self.model.info().isolated
 
     def solve(self) -> Answer:
-        """Return the answer, or raise what the model raises, and `ModelError` for a bad answer.
-
-        Raises `ModelError` also where the programs here are not those that were planned.
-        """
-        here = program_of(self.model)
+        """Return the answer, or raise what the model raises, and `ModelError` for a bad answer, or
+        where the programs here are not those that were planned."""
+        _, here = program_of(self.model)
         if here != self.program:
             raise ModelError(f"{here} runs here, not {self.program} as planned")
-        count = self.count
+        uncertainty = None
         if self.isolated:
-            modes, seconds = solved(self.model, self.mechanism, self.poses[0], count)
-            found, uncertainty = modes.frequencies[None], modes.uncertainty
-            uncertainty = None if uncertainty is None else np.asarray(uncertainty)[None]
+            modes, seconds = solved(self.model, self.mechanism, self.poses[0], self.count)
+            found = modes.frequencies[None]
+            if modes.uncertainty is not None:
+                uncertainty = modes.uncertainty[None]
         else:
-            batch = BatchTask(self.model, self.mechanism, self.poses, count).solve()
-            found, seconds, uncertainty = batch.table, batch.seconds, None
+            batch = BatchTask(self.model, self.mechanism, self.poses, self.count).solve()
+            found, seconds = batch.table, batch.seconds
             # For their theory, version and size, which are the same at every pose.
-            asked = (self.model, self.mechanism, count)
-            if asked not in _told:
-                _told[asked] = self.model.modes(self.mechanism, self.poses[0], count)
-            modes = _told[asked]
+            same = (self.model, self.mechanism, self.count)
+            if same not in _told:
+                _told[same] = self.model.modes(self.mechanism, self.poses[0], self.count)
+            modes = _told[same]
         about = modes.residual, modes.theory, modes.version, modes.dofs
-        answer = Answer(found, uncertainty, *about, seconds, tuple(provenance().values()))
-        if why := self.flaw(answer):
-            raise ModelError(why)
-        return answer
+        return Answer(found, uncertainty, *about, seconds, tuple(provenance().values()))
 
     def flaw(self, answer: object) -> str:
         """Return why no number of `answer` must be believed; "" if they may be."""
@@ -115,37 +115,31 @@ def jobs(
     Split at fixed numbers: the last bits of a batch's answer depend on a pose's company.
     """
     size = 1 if model.info().isolated else BATCH
-    program = program_of(model)
+    _, program = program_of(model)
     for start in range(0, len(poses), size):
         yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
 
 
-def unusable(model: Model) -> str:
-    """Return why a model cannot run here at all, "" if it can."""
-    return _here(model)[0]
-
-
-def program_of(model: Model) -> str:
-    """Return what computes a model here: its program's version, this bench's, and their sources."""
-    if model not in _programs:
-        info, (_, source) = model.info(), _here(model)
-        bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
-        _programs[model] = f"{info.program} {info.version} ({bench}, source {source})"
-    return _programs[model]
-
-
-def _here(model: Model) -> tuple[str, str]:
-    """Return why a model cannot be built here, "" if it can, and a hash of the files behind it."""
+def program_of(model: Model) -> tuple[str, str]:
+    """Return why a model cannot run here at all, "" if it can, and what computes it here: its
+    program's version, this bench's, and their sources."""
+    if model in _programs:
+        return "", _programs[model]
     try:
-        found: tuple[str, str] = asked(_built, model) if isinstance(model, Named) else _built(model)
+        why, source = asked(_built, model) if isinstance(model, Named) else _built(model)
     except UnavailableError as error:
-        return str(error), "none"
-    return found
+        why, source = str(error), "none"
+    info = model.info()
+    bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
+    program = f"{info.program} {info.version} ({bench}, source {source})"
+    if not why:
+        _programs[model] = program
+    return why, program
 
 
 def _built(model: Any) -> tuple[str, str]:
-    """Return the same where the model may be built. The files: of its own package, or its file, of
-    `analytic`, and what makes and checks an answer."""
+    """Return why a model cannot be built, "" if it can, and a hash of the files behind it: of its
+    own package, or its file, of `analytic`, and what makes and checks an answer."""
     try:
         built = model.build() if hasattr(model, "build") else model
     except (UnavailableError, InputError) as error:
@@ -166,3 +160,106 @@ _programs: dict[Model, str] = {}
 _told: dict[tuple[Model, Mechanism, int], Modes] = {}
 _said = lru_cache(maxsize=4)(repr)
 """A mechanism in words, every number of it."""
+
+NAME = "journal.sqlite"
+_OPEN = (
+    # Exclusive: the kernel lets go of the lock when the process ends, even by SIGKILL.
+    "PRAGMA locking_mode = EXCLUSIVE",
+    "PRAGMA journal_mode = WAL",
+    "PRAGMA synchronous = NORMAL",
+    "BEGIN EXCLUSIVE",
+    "CREATE TABLE IF NOT EXISTS jobs (key BLOB PRIMARY KEY, answer BLOB NOT NULL, "
+    "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS run (key BLOB PRIMARY KEY, name TEXT NOT NULL) WITHOUT ROWID",
+    "COMMIT",
+)
+
+
+class Journal:
+    """The answers of the jobs run into one folder, by the jobs' content hashes; as a context.
+
+    SQLite with a write-ahead log: a finished job survives the end of this process, however it
+    ends. One process at a time: a second is refused. Raises `OutputError` where the folder cannot
+    be written, is in use, or the file is damaged.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._base = sqlite3.connect(folder / NAME, timeout=0, isolation_level=None)
+        except (OSError, sqlite3.Error) as error:
+            raise self._refused(error) from None
+        try:
+            for statement in _OPEN:
+                self._run(statement)
+            (sound,) = self._run("PRAGMA quick_check(1)").fetchone()
+            if sound != "ok":
+                raise self._damaged(sound)
+        except OutputError:
+            self._base.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._base.close()
+
+    def __contains__(self, job: Job) -> bool:
+        return self.get(job) is not None
+
+    def get(self, job: Job) -> Answer | None:
+        """Return the answer of `job`, or None if it is not there, or not one to be believed."""
+        row = self._run("SELECT answer, checksum FROM jobs WHERE key = ?", job.key).fetchone()
+        if row is None or zlib.crc32(row[0]) != row[1]:
+            return None
+        try:
+            answer: Answer = pickle.loads(row[0])
+        except Exception:  # whatever it is, it is no answer
+            return None
+        return None if job.flaw(answer) else answer
+
+    def put(self, job: Job, answer: Answer) -> None:
+        """Keep the answer of `job`; once this returns it is there for good."""
+        content = pickle.dumps(answer, protocol=5)
+        values = (job.key, content, answer.seconds, zlib.crc32(content))
+        self._run("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", *values)
+
+    def run_of(self, job: Job) -> str | None:
+        """Return the run of a history that the answer of `job` went to last, if its file is there.
+
+        It may be missing: the name is taken in before the file is written, so that a process that
+        is killed in between neither loses rows nor writes them twice.
+        """
+        row = self._run("SELECT name FROM run WHERE key = ?", job.key).fetchone()
+        return None if row is None else str(row[0])
+
+    def goes_to(self, run: str, jobs: Iterable[Job]) -> None:
+        """Take in that the answers of `jobs` are about to be written as this run."""
+        self._run("BEGIN")
+        for job in jobs:
+            self._run("INSERT OR REPLACE INTO run VALUES (?, ?)", job.key, run)
+        self._run("COMMIT")
+
+    def _run(self, statement: str, *values: object) -> sqlite3.Cursor:
+        try:
+            return self._base.execute(statement, values)
+        except sqlite3.Error as error:
+            raise self._refused(error) from None
+
+    def _refused(self, error: Exception) -> OutputError:
+        code = getattr(error, "sqlite_errorcode", None)
+        if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB):
+            return self._damaged(error)
+        why = f"cannot write there ({getattr(error, 'strerror', None) or error})"
+        if code == sqlite3.SQLITE_BUSY:
+            why = "another sweep is running into this folder"
+        return OutputError(f"output = {str(self._folder)!r}: {why}")
+
+    def _damaged(self, why: object) -> OutputError:
+        said = " ".join(str(why).split())
+        return OutputError(
+            f"output = {str(self._folder)!r}: its {NAME} is damaged ({said}); move it away to "
+            "start anew"
+        )

@@ -1,93 +1,81 @@
 """A long table on its way to a file: on the disk from the start, there whole or not at all."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
-from harness.history.duck import connect, named, quoted, reason, sink
+from harness.history.duck import connect, reason, sink
 from harness.output import OutputError
 
 TABLE = "long"
 
 
 class LongTable:
-    """Rows for `file` (.parquet, .csv or .json), one a pose and mode; as a context.
+    """Numbers for `file` (.parquet, .csv or .json), a row a pose and mode; as a context.
 
-    `columns` have types; values of the columns `by_mode` differ between the `modes`. Blocks are
-    added one after the other and kept in a base of DuckDB beside the file, a row a pose, in memory
-    for one block; the table `TABLE` of `base` has them as they will be in the file. The same rows
-    give the same bytes. One writer at a time for a file. Raises `OutputError` with the reason where
-    the folder cannot be written.
+    `columns` have types; values of those `by_mode` differ between the `modes`. Blocks are kept in
+    a base of DuckDB beside the file: in the table `wide` of `base` a row a pose, in its view
+    `TABLE` a row a pose and mode. The same rows give the same bytes. One writer at a time for a
+    file. Raises `OutputError` with the reason where the folder cannot be written.
     """
 
     def __init__(
-        self, file: Path, columns: Mapping[str, str], by_mode: Sequence[str], modes: Sequence[int]
+        self, file: Path, columns: Mapping[str, str], by_mode: Collection[str], modes: Sequence[int]
     ) -> None:
-        self.file, self._columns, self._modes = file, columns, modes
-        self._by_mode = {name: [f"{name}_{mode}" for mode in modes] for name in by_mode}
-        self._memory: dict[str, np.ndarray] = {}
-        # Always the same name: what a killed process left behind is overwritten, not kept.
-        self._own = file.with_name(f".{file.name}.rows")
-        self._part = file.with_name(f".{file.name}.part")
+        self.file = file
+        # Always the same names: what a killed process left behind is overwritten, not kept.
+        self._own, self._part = (file.with_name(f".{file.name}.{end}") for end in ("rows", "part"))
         self._clear()
-        typed, shown = [], []
-        for name, kind in columns.items():
-            if name == "mode":
-                shown.append(f"unnest({list(modes)})::{kind} AS mode")
-                continue
-            own = self._by_mode.get(name, [name])
-            typed += [f"{named(each)} {kind}" for each in own]
-            many = f"unnest([{', '.join(map(named, own))}]) AS {named(name)}"
-            shown.append(many if name in self._by_mode else named(name))
-        with self._told():
+        self._wide = {
+            name: [f"{name}_{mode}" for mode in modes] if name in by_mode else [name]
+            for name in columns
+        }
+        typed = [f"{each} {columns[name]}" for name, own in self._wide.items() for each in own]
+        self._held = np.empty((len(typed), 0))
+        shown = [f"unnest([{', '.join(self._wide[name])}]) AS {name}" for name in by_mode]
+        shown.append(f"unnest({list(modes)})::BIGINT AS mode")
+        with self._writing():
             self.base = connect(str(self._own), streams=True)
             self.base.execute("SET force_compression = 'uncompressed'")
             self.base.execute("BEGIN")  # never committed: nothing is written twice
             self.base.execute(f"CREATE TABLE wide ({', '.join(typed)})")
-            self.base.execute(f"CREATE VIEW {TABLE} AS SELECT {', '.join(shown)} FROM wide")
+            self.base.execute(f"CREATE VIEW {TABLE} AS SELECT *, {', '.join(shown)} FROM wide")
 
     def add(self, block: Mapping[str, Any]) -> None:
-        """Add n poses: a column is an array (n,), or (n, modes), or one text or None for all.
+        """Add n poses: of a column an array (n,), or (n, modes), or one number or None for all.
 
         A number that is not finite is kept as null.
         """
-        arrays: dict[str, np.ndarray] = {}
-        values = []
-        for name in self._columns:
-            value, own = block.get(name), self._by_mode.get(name, [name])
-            if isinstance(value, np.ndarray):
-                arrays |= dict(zip(own, value.T if name in self._by_mode else [value], strict=True))
-                finite = (
-                    "CASE WHEN isfinite({0}) THEN {0} END" if value.dtype.kind == "f" else "{0}"
-                )
-                values += [finite.format(named(each)) for each in own]
-            elif name != "mode":
-                values += ["NULL" if value is None else quoted(value)] * len(own)
-        with self._told():
-            self.base.register("block", {k: self._held(k, v) for k, v in arrays.items()})
-            self.base.execute(f"INSERT INTO wide SELECT {', '.join(values)} FROM block")
+        height = len(block["pose"])
+        if self._held.shape[1] < height:
+            self._held = np.empty((len(self._held), height))
+        held = self._held[:, :height]  # the same memory: DuckDB keeps hold of all that it read
+        np.concatenate(
+            [
+                np.broadcast_to(np.asarray(block[name], dtype=float).T, (len(own), height))
+                for name, own in self._wide.items()
+            ],
+            out=held,
+        )
+        names = [each for own in self._wide.values() for each in own]
+        with self._writing():
+            self.base.register("block", dict(zip(names, held, strict=True)))
+            finite = "CASE WHEN isfinite(COLUMNS(*)) THEN COLUMNS(*) END"
+            self.base.execute(f"INSERT INTO wide SELECT {finite} FROM block")
             self.base.unregister("block")
 
-    def _held(self, name: str, values: np.ndarray) -> np.ndarray:
-        """Return `values` where the last block's were: DuckDB keeps hold of all that it read."""
-        own = self._memory.get(name)
-        if own is None or own.dtype != values.dtype or len(own) < len(values):
-            own = self._memory[name] = np.empty(len(values), values.dtype)
-        own[: len(values)] = values
-        return own[: len(values)]
-
-    def write(self, *without: str) -> None:
-        """Write the file but for some columns; it takes its name when it is complete."""
-        shown = ", ".join(named(name) for name in self._columns if name not in without)
-        with self._told():
+    def write(self, columns: Mapping[str, str]) -> None:
+        """Write the file, its columns in SQL; it takes its name when it is complete."""
+        shown = ", ".join(f"{sql} AS {name}" for name, sql in columns.items())
+        with self._writing():
             sink(self.base, f"SELECT {shown} FROM {TABLE}", self._part, self.file.suffix)
             self._part.replace(self.file)
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _writing(self) -> Iterator[None]:
         """Say of whatever fails inside that the folder cannot be written, and why."""
         import duckdb
 

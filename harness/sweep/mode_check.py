@@ -4,7 +4,7 @@ The theory's number is Wittrick and Williams' count, halfway between neighbourin
 the theory: a mode that a simulator misses, has twice or makes up shifts its own number there.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +23,9 @@ SPARE = 4
 """Further modes of the theory, for what a simulator has in the place of those it misses."""
 
 Floats = NDArray[np.float64]
+Beams = Mapping[str, Any]
+"""Limbs whose modes can be counted, as functions of `analytic` take them: `elements` each, None for
+exact ones, `beam` and `shear`."""
 
 
 class ModeCheck(NamedTuple):
@@ -32,33 +35,24 @@ class ModeCheck(NamedTuple):
     wrong: NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class Beams:
-    """Limbs whose modes can be counted: `elements` each, None for exact ones; their theory."""
-
-    elements: int | None
-    theory: Theory
-
-    @property
-    def said(self) -> dict[str, Any]:
-        """The limbs as functions of `analytic` take them."""
-        theory = self.theory
-        return {"elements": self.elements, "beam": theory.beam, "shear": theory.shear}
-
-    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int, torsion: bool) -> Floats:
-        """Return frequencies (N, count) [Hz], of limbs that twist or do not."""
-        return condensed_frequencies(
-            mechanism, poses, count=count, torsion=torsion, fast=False, **self.said
-        )
-
-
 def beams_of(model: Model) -> Beams | None:
-    """Return the beams of a model whose limbs are some, or None."""
+    """Return what a model assumes of its limbs where it is one of beams, or None."""
     if model.info().isolated:
         return None
     built: Any = model.build() if hasattr(model, "build") else model
     theory = getattr(built, "theory", None)
-    return Beams(built.elements, theory) if isinstance(theory, Theory) else None
+    if not isinstance(theory, Theory):
+        return None
+    return {"elements": built.elements, "beam": theory.beam, "shear": theory.shear}
+
+
+def frequencies(
+    mechanism: Mechanism, poses: Pose, count: int, theory: Beams, torsion: bool
+) -> Floats:
+    """Return the frequencies (N, count) [Hz] of a theory whose limbs twist or do not."""
+    return condensed_frequencies(
+        mechanism, poses, count=count, torsion=torsion, fast=False, **theory
+    )
 
 
 def check_modes(
@@ -71,7 +65,7 @@ def check_modes(
     partner does not excuse itself. Without `torsion` the theory's limbs do not twist either.
     """
     count = found.shape[1]
-    exact = theory.frequencies(mechanism, poses, count + 1 + SPARE, torsion)
+    exact = frequencies(mechanism, poses, count + 1 + SPARE, theory, torsion)
     away = np.abs(found[:, :, None] - exact[:, None, :])
     partner = away.argmin(axis=2)
     nearest = partner[..., None] == np.arange(exact.shape[1])
@@ -83,6 +77,6 @@ def check_modes(
     counted = gap > CLEAR * np.maximum(deviation[:, 1:], deviation[:, :-1])
     counted &= gap > REPEATED * exact[:, 1:]
     middle = (exact[:, 1:] + exact[:, :-1]) / 2
-    right = mode_counts(mechanism, poses, middle, torsion=torsion, **theory.said)
+    right = mode_counts(mechanism, poses, middle, torsion=torsion, **theory)
     below = (found[:, None, :] < middle[:, :, None]).sum(axis=2)
     return ModeCheck(counted, counted & (below != right))

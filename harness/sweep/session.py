@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from analytic import Mechanism, Pose
 from analytic.model import Model
@@ -13,13 +13,11 @@ from harness.cases import select
 from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result
-from harness.sweep.engine import Engine, Patience, engine
-from harness.sweep.error_map import compare, error_table, worst_table
-from harness.sweep.jobs import Job
-from harness.sweep.journal import Journal
+from harness.sweep.engine import Patience, engine
+from harness.sweep.error_map import compare
+from harness.sweep.jobs import Job, Journal
 from harness.sweep.pose_sets import pose_set
-from harness.sweep.rows import Rows
-from harness.sweep.sweep import Failures, Sweep, complete, failure_table
+from harness.sweep.sweep import Failures, Rows, Sweep, complete, failure_table
 from harness.tables import Table, table_files
 from harness.text import models as models_of
 from reference_models import parse
@@ -59,10 +57,6 @@ class Swept(Result):
         """Return timing, errors, worst poses and failures."""
         return self.made
 
-    def rows(self) -> list[dict[str, Any]]:
-        """Return none: they are too many, and `carry_out` streams them into the history."""
-        return []
-
     def failures(self) -> dict[str, str]:
         """Return what has no answer ("MODEL at N poses"), and why."""
         return {f"{name} at {len(n)} poses": why for (name, why), n in self.lacking.items()}
@@ -98,19 +92,16 @@ def solve(
         against = parse(against, "against")
     folder = Path(folder)
     everything = tuple(dict.fromkeys([*models, *([] if against is None else [against])]))
-    sweep = Sweep(mechanism, poses, everything, count)
     with (
         engine(cores or threads.cores(), scheduler, patience) as here,
         Journal(folder) as journal,
     ):
-        file = folder / "frequencies.parquet"
-        return carry_out(sweep, journal, here, file, range(1, count + 1), against)
+        sweep = Sweep(mechanism, poses, everything, count, journal, here)
+        return carry_out(sweep, folder / "frequencies.parquet", range(1, count + 1), against)
 
 
 def carry_out(
     sweep: Sweep,
-    journal: Journal,
-    here: Engine,
     file: Path,
     modes: Sequence[int],
     against: Model | None = None,
@@ -127,20 +118,18 @@ def carry_out(
     an earlier sweep left in the folder and this one does not write are removed.
     Raises `OutputError` where a file cannot be written.
     """
+    with Rows(sweep, file, modes) as rows:
 
-    def tell(job: Job) -> None:
-        listener(job)
-        rows.tell(job)
+        def tell(job: Job) -> None:
+            listener(job)
+            rows.tell(job)
 
-    with Rows(sweep, journal, file, modes) as rows:
-        failures, solved = complete(sweep, journal, here, tell)
-        rows.write()
+        failures, solved = complete(sweep, tell)
+        rows.finish()
         made, files = {"timing": rows.timing_table()}, [file]
         if against is not None:
             files.append(file.with_name(f"error-map{file.suffix}"))
-            gathered = compare(sweep, journal, against, modes, files[-1])
-            made["errors"] = error_table(gathered, against)
-            made["worst"] = worst_table(sweep, gathered, against, here, again)
+            made |= compare(sweep, against, modes, files[-1], again)
         made["failures"] = failure_table(failures)
         files += write_all(file.parent, table_files(made))
         made = {"first": rows.first_table(), **made}  # shown only: the file has all of it

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.sweep.long_table import TABLE, LongTable
 
-COLUMNS = {"pose": "BIGINT", "z_m": "DOUBLE", "mode": "INTEGER", "f": "DOUBLE", "gap": "DOUBLE"}
+COLUMNS = {"pose": "BIGINT", "z_m": "DOUBLE", "f": "DOUBLE", "gap": "DOUBLE"}
 MODES = (1, 2)
 
 

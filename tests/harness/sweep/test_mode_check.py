@@ -5,11 +5,10 @@ import pytest
 from numpy.typing import NDArray
 
 from analytic import Mechanism, Pose, condensed_frequencies, limbs_at
-from analytic.theory import Theory
-from harness.sweep.mode_check import Beams, check_modes
+from harness.sweep.mode_check import check_modes
 from harness.sweep.pose_sets import pose_set
 
-THEORY = Beams(None, Theory("timoshenko"))
+THEORY = {"elements": None, "beam": "timoshenko", "shear": "cowper"}
 
 
 @pytest.fixture(scope="module")
