@@ -3,7 +3,7 @@
 import atexit
 import gc
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -68,25 +68,27 @@ def sink(
 
 def _harmless(base: "DuckDBPyConnection", sql: str, params: Params) -> str:
     """Return a query whose texts no spreadsheet takes for a formula, as `harness.tables` does."""
-    columns = base.execute(f"DESCRIBE {sql}", params).fetchall()
-    safe = []
-    for k, (name, kind, *_) in enumerate(columns):
-        value = f"c{k}"
+    shown, places = [], []
+    for k, (name, kind, *_) in enumerate(base.execute(f"DESCRIBE {sql}", params).fetchall()):
+        value, text = f"c{k}", f"c{k}::VARCHAR"
+        places.append(value)  # an answer may have two columns of one name
         if kind == "VARCHAR" or (kind.startswith("ENUM") and kind.endswith(")")):
             value = (
-                f"CASE WHEN regexp_matches(c{k}::VARCHAR, '^[=@\\t\\r+-]') AND "
-                f"try_cast(c{k}::VARCHAR AS DOUBLE) IS NULL THEN '''' || c{k}::VARCHAR "
-                f"ELSE c{k}::VARCHAR END"
+                f"CASE WHEN regexp_matches({text}, '^[=@\\t\\r+-]') AND "
+                f"try_cast({text} AS DOUBLE) IS NULL THEN '''' || {text} ELSE {text} END"
             )
-        safe.append(f"{value} AS {named(name)}")
-    # By place: an answer may have two columns of one name.
-    places = ", ".join(f"c{k}" for k in range(len(columns)))
-    return f"SELECT {', '.join(safe)} FROM ({sql}\n) AS answer({places})"
+        shown.append(f"{value} AS {named(name)}")
+    return f"SELECT {', '.join(shown)} FROM ({sql}\n) AS answer({', '.join(places)})"
 
 
 def quoted(text: object) -> str:
     """Return a text as SQL writes it."""
     return "'" + str(text).replace("'", "''") + "'"
+
+
+def listed(texts: Iterable[object]) -> str:
+    """Return texts as SQL writes a list of them."""
+    return ", ".join(map(quoted, texts))
 
 
 def constant(text: object) -> str:
@@ -99,8 +101,7 @@ def one_of(texts: Sequence[str], number: str) -> str:
     """Return that of some texts whose `number` from 0 a column says; "" where there are none."""
     if len({*texts}) < 2:
         return constant("".join({*texts}))
-    known = ", ".join(map(quoted, dict.fromkeys(texts)))
-    return f"CAST([{', '.join(map(quoted, texts))}][{number} + 1] AS ENUM({known}))"
+    return f"CAST([{listed(texts)}][{number} + 1] AS ENUM({listed(dict.fromkeys(texts))}))"
 
 
 def named(name: str) -> str:

@@ -2,7 +2,9 @@
 
 import os
 import platform
+import re
 import subprocess
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -46,12 +48,11 @@ def _commit() -> str:
 
 
 def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        lines = []
-    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(named, "") or platform.processor() or platform.machine()
+    with suppress(OSError):
+        about = Path("/proc/cpuinfo").read_text()
+        if named := re.search(r"^model name\s*: *(.+?) *$", about, re.MULTILINE):
+            return named[1]
+    return platform.processor() or platform.machine()
 
 
 def _system() -> str:
@@ -67,6 +68,6 @@ def _blas() -> str:
     for library in (np, scipy):
         found = library.show_config(mode="dicts")["Build Dependencies"]["blas"]
         built[library.__name__] = f"{found['name']} {found['version']}"
-    if len(set(built.values())) == 1:
+    if built["numpy"] == built["scipy"]:
         return built["numpy"]
     return ", ".join(f"{library}: {blas}" for library, blas in built.items())

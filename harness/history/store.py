@@ -4,6 +4,7 @@ A file is named RUN.CHECKSUM.parquet and never changes: whatever does not match 
 damaged or foreign, and skipped. (Parquet itself notices less than half of all flipped bits.)
 """
 
+import os
 import re
 import secrets
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,23 +12,40 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from glob import escape
+from hashlib import file_digest
 from pathlib import Path
+from stat import S_ISREG
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from analytic import InputError
-from harness.history.duck import Params, connect, constant, named, quoted, reason, sink
+from harness.history.duck import Params, connect, constant, listed, named, quoted, reason, sink
 from harness.history.provenance import provenance
-from harness.history.run_file import COLUMNS as COLUMNS
-from harness.history.run_file import RunFile, checksum, read
 from harness.output import staged
 
 if TYPE_CHECKING:
     import pandas as pd
     from duckdb import DuckDBPyConnection, DuckDBPyRelation
 
-
+COLUMNS = {
+    name: kind
+    for kind, names in (
+        ("VARCHAR", "run"),
+        ("TIMESTAMP", "time"),
+        ("VARCHAR", "command commit release machine python numpy scipy blas case mechanism"),
+        ("DOUBLE", "z_m azimuth_rad tilt_rad torsion_rad x_m y_m"),
+        ("VARCHAR", "model theory settings version"),
+        ("BIGINT", "mode"),
+        ("DOUBLE", "frequency_hz uncertainty_hz assurance closure_m"),
+        ("BIGINT", "dofs"),
+        ("DOUBLE", "build_s solve_s"),
+    )
+    for name in names.split()
+}
+"""Every column and its type; `time` is UTC. What files of an older release lack is null."""
+NEEDED = ("run", "time", "model", "mode", "frequency_hz")
+NAME = re.compile(r"\d{8}-\d{6}\.\d{6}-[0-9a-f]{6}\.([0-9a-f]{16})\.parquet")
 _PLAINER = {
     "HUGEINT$": "BIGINT",
     "^TIMESTAMP WITH TIME ZONE$": "TIMESTAMP",
@@ -72,10 +90,23 @@ def append_table(
     time = (time or datetime.now(UTC)).astimezone(UTC).replace(tzinfo=None)
     run = run or name_of(time)
     known = {**provenance(), "command": command, "run": run, "time": time}
-    given = {row[0]: row[1] for row in base.execute(f"DESCRIBE {table}").fetchall()}
-    columns = ", ".join(_column(name, kind, given, known) for name, kind in COLUMNS.items())
+    kinds = {row[0]: row[1] for row in base.execute(f"DESCRIBE {table}").fetchall()}
+    given = {name: kind for name, kind in kinds.items() if name not in ("run", "time")}
+    columns = []
+    for name, kind in COLUMNS.items():
+        if name in given:
+            value = named(name)
+        elif kind == "VARCHAR" and name in known:
+            value = constant(known[name])
+        else:
+            value = quoted(known[name]) if name in known else "NULL"
+        if not value.startswith("CAST") and not given.get(name, "").startswith("ENUM"):
+            value = f"CAST({value} AS {kind})"
+        if kind == "DOUBLE":
+            value = f"CASE WHEN isfinite({value}) THEN {value} END"
+        columns.append(f"{value} AS {named(name)}")
     with staged(folder, [run], "history") as (temporary,):
-        sink(base, f"SELECT {columns} FROM {table}", temporary, ".parquet")
+        sink(base, f"SELECT {', '.join(columns)} FROM {table}", temporary, ".parquet")
         path = folder / f"{run}.{checksum(temporary)}.parquet"
         temporary.replace(path)
     return path
@@ -91,20 +122,60 @@ def has(folder: Path, run: str) -> bool:
     return any(folder.glob(f"{run}.*.parquet"))
 
 
-def _column(name: str, kind: str, given: Mapping[str, str], known: Mapping[str, object]) -> str:
-    """Return a column of a run's file as SQL: from the rows given, or the same in all."""
-    if name in ("run", "time") or name not in given:
-        if kind == "VARCHAR" and name in known:
-            return f"{constant(known[name])} AS {named(name)}"
-        value = quoted(known[name]) if name in known else "NULL"
-    elif given[name].startswith("ENUM"):
-        return named(name)
-    else:
-        value = named(name)
-    value = f"CAST({value} AS {kind})"
-    if kind == "DOUBLE":
-        value = f"CASE WHEN isfinite({value}) THEN {value} END"
-    return f"{value} AS {named(name)}"
+def checksum(path: Path) -> str:
+    """Return the start of a file's SHA-256, which its name holds."""
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class RunFile:
+    """A sound file: which of `COLUMNS` it has, and what the system said of it when it was read."""
+
+    path: Path
+    columns: frozenset[str]
+    stat: os.stat_result
+
+    def changed(self) -> str | None:
+        """Return what has happened to the file since, or None."""
+        try:
+            now = self.path.stat()
+        except OSError as error:
+            return f"{self.path.name} cannot be read any more: {error.strerror}"
+        if all(
+            getattr(now, name) == getattr(self.stat, name)
+            for name in ("st_size", "st_mtime_ns", "st_ino")
+        ):
+            return None
+        return f"{self.path.name} was changed"
+
+
+def read(base: "DuckDBPyConnection", path: Path) -> RunFile | str:
+    """Return a file that is whole and of this bench, or what is wrong with it."""
+    import duckdb
+
+    matched = NAME.fullmatch(path.name)
+    if matched is None:
+        return "not written by rps-bench: its name is not RUN.CHECKSUM.parquet"
+    try:
+        found = path.stat()
+        if not S_ISREG(found.st_mode):  # a pipe or a device would never end
+            return "not written by rps-bench: it is no regular file"
+        if checksum(path) != matched[1]:
+            return f"damaged: {found.st_size} bytes that are not those that were written"
+    except OSError as error:
+        return f"cannot be read ({error.strerror})"
+    asked = "SELECT name, duckdb_type FROM parquet_schema(?) WHERE duckdb_type IS NOT NULL"
+    try:
+        types = dict(base.execute(asked, [escape(str(path))]).fetchall())
+    except duckdb.Error as error:
+        return f"not written by rps-bench: it is no Parquet file ({reason(error)})"
+    for name, kind in COLUMNS.items():
+        if name in NEEDED and name not in types:
+            return f"of another release: it has no column {name}"
+        if types.get(name, kind) != kind:
+            return f"of another release: its column {name} is {types[name]}, not {kind}"
+    return RunFile(path, frozenset(types) & frozenset(COLUMNS), found)
 
 
 @dataclass(frozen=True)
@@ -153,8 +224,7 @@ class Answer:
                 raise InputError("export", str(path), "another form (only Parquet holds bytes)")
             if path.suffix == ".csv" and re.search(r"\]|STRUCT|MAP|UNION", kinds):
                 raise InputError("export", str(path), "another form (CSV has no lists)")
-            whole = self.sql.strip().rstrip(";")
-            sql = f"SELECT {_plain(answer)} FROM ({whole}\n)"
+            sql = self.sql.strip().rstrip(";")
             height = sink(base, sql, temporary, path.suffix, self.params)
             temporary.replace(path)
         return height
@@ -210,7 +280,13 @@ class History:
             answer = base.sql(question.sql, params=question.params)
             if len(set(answer.columns)) < len(answer.columns):
                 raise InputError("sql", question.sql, f"{expected}, of columns of different names")
-            yield base, answer.project(_plain(answer))
+            casts = [
+                f"CAST({named(name)} AS {plain}) AS {named(name)}"
+                for name, kind in zip(answer.columns, map(str, answer.types), strict=True)
+                for pattern, plain in _PLAINER.items()
+                if re.search(pattern, kind)
+            ]
+            yield base, answer.project(f"* REPLACE ({', '.join(casts)})" if casts else "*")
         except duckdb.Error as error:
             self._stays()
             raise InputError("sql", question.sql, f"{expected} ({reason(error)})") from None
@@ -221,23 +297,23 @@ class History:
         import duckdb
 
         base = connect(streams=target is not None)
-        found = frozenset().union(*(file.columns for file in self._files))
+        kinds = {file.columns for file in self._files}
         columns = ", ".join(
-            named(name) if name in found else f"NULL::{kind} AS {named(name)}"
+            named(name) if any(name in some for some in kinds) else f"NULL::{kind} AS {named(name)}"
             for name, kind in COLUMNS.items()
         )
         # A name with a pattern's letters is looked up as a pattern, and read as it is.
         paths = [str(file.path) for file in self._files]
-        sought = ", ".join(quoted(escape(path)) for path in paths)
+        sought = [escape(path) for path in paths]
         # Where all have the same columns the first one tells them.
-        union = len({file.columns for file in self._files}) > 1
-        source = f"FROM read_parquet([{sought}], union_by_name = {union})" if paths else "LIMIT 0"
+        source = f"read_parquet([{listed(sought)}], union_by_name = {len(kinds) > 1})"
+        source = f"FROM {source}" if paths else "LIMIT 0"
         try:
             base.execute(f"CREATE VIEW rows AS SELECT {columns} {source}")
         except duckdb.Error as error:
             raise self._changed(reason(error)) from None
-        allowed = {*paths, *map(escape, paths), *([str(target)] if target else [])}
-        base.execute(f"SET allowed_paths = [{', '.join(map(quoted, sorted(allowed)))}]")
+        allowed = sorted({*paths, *sought, *([str(target)] if target else [])})
+        base.execute(f"SET allowed_paths = [{listed(allowed)}]")
         base.execute("SET enable_external_access = false")
         base.execute("SET lock_configuration = true")
         return base
@@ -255,14 +331,3 @@ class History:
 def open_history(folder: Path) -> History:
     """Return the history in `folder`; one that is not there yet is empty."""
     return History(folder)
-
-
-def _plain(answer: "DuckDBPyRelation") -> str:
-    """Return the columns as SQL, without the types of `_PLAINER`."""
-    casts = []
-    for name, kind in zip(answer.columns, map(str, answer.types), strict=True):
-        for pattern, plain in _PLAINER.items():
-            if re.search(pattern, kind):
-                casts.append(f"CAST({named(name)} AS {plain}) AS {named(name)}")
-                break
-    return f"* REPLACE ({', '.join(casts)})" if casts else "*"

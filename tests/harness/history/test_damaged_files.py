@@ -10,8 +10,7 @@ import pytest
 
 from analytic import InputError
 from harness.history.duck import connect
-from harness.history.run_file import COLUMNS, checksum
-from harness.history.store import append, open_history
+from harness.history.store import COLUMNS, append, checksum, open_history
 
 MODES = 6
 NAMED = "20250101-000000.000000-abcdef.{}.parquet"

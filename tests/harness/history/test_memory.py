@@ -33,7 +33,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from harness.cli.main import main
 from harness.history.duck import connect
-from harness.history.run_file import checksum
+from harness.history.store import checksum
 from harness.history.store import append_table, open_history
 folder, runs, rows = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 with connect() as base:

@@ -17,8 +17,7 @@ import pytest
 from analytic import InputError
 from harness.history.duck import connect
 from harness.history.provenance import ROOT, provenance
-from harness.history.run_file import COLUMNS
-from harness.history.store import append, append_table, open_history
+from harness.history.store import COLUMNS, append, append_table, open_history
 from harness.output import OutputError
 
 PROCESSES, RUNS, MODES = 3, 8, 6
