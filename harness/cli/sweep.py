@@ -68,10 +68,9 @@ def sweep(
         from harness.cases import select
         from harness.cli.terminal import Bar, Written, show_tables
         from harness.sweep.engine import Patience, engine
-        from harness.sweep.jobs import NAME, Journal
+        from harness.sweep.jobs import NAME, Journal, Sweep
         from harness.sweep.pose_sets import pose_set
-        from harness.sweep.session import carry_out
-        from harness.sweep.sweep import Sweep, estimate
+        from harness.sweep.sweep import carry_out, estimate
         from reference_models import parse
 
         kappa, against = text.shear_coefficient(texts["shear"]), texts["against"]
@@ -84,28 +83,26 @@ def sweep(
             raise InputError("format", form, ", ".join(FORMS))
         file = texts["case_file"]
         (at,) = select([texts["case"]], load_cases(Path(file)) if file is not None else {})
-        everything = tuple(dict.fromkeys([*chosen, *([reference] if reference else [])]))
         poses = pose_set(texts["poses"], at.mechanism)
         again = "".join(
             f" {flags.flag(name)} {shlex.quote(str(texts[name]))}"
             for name, usual in (("modes", "1-6"), ("case", "case1"), ("case_file", None))
             if texts[name] != usual
         )
-        processes = len(poses) * sum(model.info().isolated for model in everything)
         patience = Patience(time_limit, tries)
-        here = stack.enter_context(engine(at_once, scheduler, patience, processes, children))
+        here = stack.enter_context(engine(at_once, scheduler, patience, children))
         folder = output
         if folder is None or (dry_run and not (folder / NAME).exists()):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         journal = stack.enter_context(Journal(folder))
-        study = Sweep(at.mechanism, poses, everything, max(shown), journal, here)
+        study = Sweep(at.mechanism, poses, chosen, shown, reference, journal, here)
         if dry_run:
             show_tables(estimate(study))
             return 0
         with Bar() as bar:
-            bar.expect(len(poses) * len(everything))
+            bar.expect(len(poses) * len(study.models))
             found = carry_out(
-                study, folder / f"frequencies.{form}", shown, reference, again=again,
+                study, folder / f"frequencies.{form}", again=again,
                 listener=lambda job: bar.done(label(job.model), len(job.poses)),
                 history=None if history is None else (history, flags.as_typed()),
             )  # fmt: skip

@@ -103,18 +103,14 @@ def engine(
     cores: int,
     scheduler: str | None,
     patience: Patience,
-    simulations: int = 0,
     children: Children | None = None,
 ) -> Iterator[Engine]:
     """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
 
-    `simulations`: how many jobs need a process; as many as can be of use are started at once.
     `children`: its processes, some of which may have been started already.
     """
     if scheduler is None:
-        children = children or Children()
-        children.start(min(cores, simulations))
-        chosen = Engine(cores, patience, children)
+        chosen = Engine(cores, patience, children or Children())
     else:
         from harness.sweep.cluster import Cluster
 

@@ -1,7 +1,6 @@
 """One model against another at every pose of a sweep; where they differ most, by shape."""
 
 import shlex
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -16,13 +15,12 @@ from harness.bench import label
 from harness.compare import cell, cells, relative_error
 from harness.history.duck import constant, one_of
 from harness.poses import cells as pose_cells
-from harness.poses import columns, headings, used
+from harness.poses import columns, headings
 from harness.sweep.engine import run
-from harness.sweep.jobs import BATCH
+from harness.sweep.jobs import BATCH, Sweep
 from harness.sweep.long_table import TABLE, LongTable
 from harness.sweep.mode_check import Floats, beams_of, check_modes, frequencies
 from harness.sweep.pose_sets import written
-from harness.sweep.sweep import Sweep
 from harness.tables import Cell, Table
 from harness.workers import Failure
 
@@ -58,26 +56,22 @@ class Compared:
     wrong: list[int] = field(default_factory=list)
 
 
-def compare(
-    sweep: Sweep, against: Model, modes: Sequence[int], file: Path, command: str
-) -> dict[str, Table]:
+def compare(sweep: Sweep, against: Model, file: Path, command: str) -> dict[str, Table]:
     """Write the error of every other model at every pose; return "errors", what they come to by
     mode, and "worst", the worst poses, their errors paired by shape, and how to see them again.
 
     Where one of two models has no torsion of limbs, the other is taken without it if it can be.
     `command`: further options of the command that shows a pose.
     """
-    where, pick, theory = used([sweep.poses]), np.array(modes) - 1, beams_of(against)
+    where, pick, theory = sweep.where, np.array(sweep.modes) - 1, beams_of(against)
     others: list[Compared] = []
-    kinds = {"pose": "BIGINT", "which": "BIGINT"}
-    kinds |= dict.fromkeys((*where, "error_percent"), "DOUBLE")
-    with LongTable(file, kinds, ["error_percent"], modes) as table:
+    with LongTable(file, ("pose", "which"), where, ("error_percent",), sweep.modes) as table:
         for model in sweep.models:
             if model == against:
                 continue
             torsion = model.info().torsion and against.info().torsion
             one = Compared(model, torsion, *np.zeros((2, len(pick)), dtype=np.int64))
-            for start in sweep.blocks():
+            for start in sweep.blocks:
                 ours, assumed = _block(sweep, model, start, torsion)
                 theirs, theirs_in = _block(sweep, against, start, torsion)
                 here = np.flatnonzero(~np.isnan(ours[:, 0] + theirs[:, 0]))
@@ -97,11 +91,8 @@ def compare(
         found = table.base.execute(_BY_MODE).fetchall()
         names = [label(one.model) for one in others]
         texts = {"model": one_of(names, "which"), "against": constant(label(against))}
-        table.write(
-            {name: name for name in ("pose", *where)}
-            | texts
-            | {name: name for name in ("mode", "error_percent")}
-        )
+        shown = ("pose", *where, *texts, "mode", "error_percent")
+        table.write({name: texts.get(name, name) for name in shown})
 
     def check_of(which: int, number: int) -> ShapeCheck:
         one, pose = others[which], sweep.poses[number - 1]
@@ -115,7 +106,7 @@ def compare(
         one, name = others[which], (names[which], f"f{mode}")
         counts = "-"
         if one.counted.any():
-            k = list(modes).index(mode)
+            k = list(sweep.modes).index(mode)
             counts = f"{one.miscounted[k]} of {one.counted[k]}"
         errors = *cells([abs(worst), rms], 6), cell(mean, 6, signed=True)
         rows.append((*name, one.poses, *errors, counts))
@@ -153,9 +144,8 @@ def compare(
 
 
 def _block(sweep: Sweep, model: Model, start: int, torsion: bool) -> tuple[Floats, set[str]]:
-    """Return frequencies (poses of a block, count), NaN where there is no answer; the theory."""
-    height = min(BATCH, len(sweep.poses) - start)
-    values, theory = np.full((height, sweep.count), np.nan), set()
+    """Return frequencies (`BATCH`, count), NaN where there is no answer; the theory."""
+    values, theory = np.full((BATCH, sweep.count), np.nan), set()
     beams = None if torsion else beams_of(model)
     for job, answer in sweep.answers(model, start):
         found = answer.frequencies

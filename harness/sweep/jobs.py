@@ -1,10 +1,10 @@
-"""A job, one model at a block of poses, and the journal that keeps its answer on disk for good."""
+"""A sweep and its jobs, each one model at a block of poses; the journal keeps their answers."""
 
 import pickle
 import sqlite3
 import sys
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
@@ -23,7 +23,8 @@ from harness import declared
 from harness.answer import BatchTask, flaw, solved
 from harness.history.provenance import provenance
 from harness.output import OutputError
-from harness.poses import columns
+from harness.poses import columns, used
+from harness.sweep.engine import Engine
 from reference_models import ModelError, Named, UnavailableError
 from reference_models.catalogue import asked
 
@@ -172,7 +173,9 @@ _OPEN = (
     "seconds REAL NOT NULL, checksum INTEGER NOT NULL) WITHOUT ROWID",
     "CREATE TABLE IF NOT EXISTS run (key BLOB PRIMARY KEY, name TEXT NOT NULL) WITHOUT ROWID",
     "COMMIT",
+    "CREATE TEMP TABLE part (key BLOB)",
 )
+_RUNS = "SELECT DISTINCT name FROM part LEFT JOIN run USING (key)"
 
 
 class Journal:
@@ -206,9 +209,6 @@ class Journal:
     def __exit__(self, *error: object) -> None:
         self._base.close()
 
-    def __contains__(self, job: Job) -> bool:
-        return self.get(job) is not None
-
     def get(self, job: Job) -> Answer | None:
         """Return the answer of `job`, or None if it is not there, or not one to be believed."""
         row = self._run("SELECT answer, checksum FROM jobs WHERE key = ?", job.key).fetchone()
@@ -226,21 +226,23 @@ class Journal:
         values = (job.key, content, answer.seconds, zlib.crc32(content))
         self._run("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?)", *values)
 
-    def run_of(self, job: Job) -> str | None:
-        """Return the run of a history that the answer of `job` went to last, if its file is there.
-
-        It may be missing: the name is taken in before the file is written, so that a process that
-        is killed in between neither loses rows nor writes them twice.
-        """
-        row = self._run("SELECT name FROM run WHERE key = ?", job.key).fetchone()
-        return None if row is None else str(row[0])
-
-    def goes_to(self, run: str, jobs: Iterable[Job]) -> None:
-        """Take in that the answers of `jobs` are about to be written as this run."""
-        self._run("BEGIN")
+    def takes(self, jobs: Iterable[Job]) -> None:
+        """Take in that the answers of `jobs` are part of this sweep."""
         for job in jobs:
-            self._run("INSERT OR REPLACE INTO run VALUES (?, ?)", job.key, run)
-        self._run("COMMIT")
+            self._run("INSERT INTO part VALUES (?)", job.key)
+
+    def runs(self) -> set[str | None]:
+        """Return the runs of a history that this sweep's answers went to last, None among them
+        where one went nowhere yet.
+
+        The file of one may be missing: its name is taken in before it is written, so that a process
+        that is killed in between neither loses rows nor writes them twice.
+        """
+        return {name for (name,) in self._run(_RUNS)}
+
+    def goes_to(self, run: str) -> None:
+        """Take in that this sweep's answers are about to be written as this run."""
+        self._run("INSERT OR REPLACE INTO run SELECT key, ? FROM part", run)
 
     def _run(self, statement: str, *values: object) -> sqlite3.Cursor:
         try:
@@ -263,3 +265,51 @@ class Journal:
             f"output = {str(self._folder)!r}: its {NAME} is damaged ({said}); move it away to "
             "start anew"
         )
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The lowest modes of `mechanism` at `poses` (arrays) by the models `chosen`.
+
+    `modes`: the numbers that are shown; `against`: what the others are compared with, one of them
+    or one more, or None. Jobs run where the `engine` says; what they find is in the `journal`.
+    """
+
+    mechanism: Mechanism
+    poses: Pose
+    chosen: Iterable[Model]
+    modes: Sequence[int]
+    against: Model | None
+    journal: Journal
+    engine: Engine
+
+    @cached_property
+    def models(self) -> tuple[Model, ...]:
+        """All of them, each once."""
+        return tuple(dict.fromkeys([*self.chosen, *([self.against] if self.against else [])]))
+
+    @property
+    def count(self) -> int:
+        """How many modes are solved for."""
+        return max(self.modes)
+
+    @cached_property
+    def where(self) -> tuple[str, ...]:
+        """The columns that say where the poses are."""
+        return used([self.poses])
+
+    def jobs(self, model: Model, start: int = 0, stop: int | None = None) -> Iterator[Job]:
+        """Return the jobs of one model for the poses from `start`, a multiple of `BATCH`, on."""
+        return jobs(model, self.mechanism, self.poses[start:stop], self.count, start)
+
+    @property
+    def blocks(self) -> range:
+        """Where the blocks of `BATCH` poses start in which these are read back."""
+        return range(0, len(self.poses), BATCH)
+
+    def answers(self, model: Model, start: int) -> Iterator[tuple[Job, Answer]]:
+        """Yield the finished jobs of a block of poses, in order."""
+        for job in self.jobs(model, start, start + BATCH):
+            answer = self.journal.get(job)
+            if answer is not None:
+                yield job, answer

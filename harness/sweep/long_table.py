@@ -16,27 +16,32 @@ TABLE = "long"
 class LongTable:
     """Numbers for `file` (.parquet, .csv or .json), a row a pose and mode; as a context.
 
-    `columns` have types; values of those `by_mode` differ between the `modes`. Blocks are kept in
-    a base of DuckDB beside the file: in the table `wide` of `base` a row a pose, in its view
-    `TABLE` a row a pose and mode. The same rows give the same bytes. One writer at a time for a
-    file. Raises `OutputError` with the reason where the folder cannot be written.
+    Columns are of `whole` numbers, or of `reals`, or, `by_mode`, of reals that differ between the
+    `modes`. Blocks are kept in a base of DuckDB beside the file: in the table `wide` of `base` a
+    row a pose, in its view `TABLE` a row a pose and mode. The same rows give the same bytes. One
+    writer at a time for a file. Raises `OutputError` with the reason where the folder cannot be
+    written.
     """
 
     def __init__(
-        self, file: Path, columns: Mapping[str, str], by_mode: Collection[str], modes: Sequence[int]
+        self,
+        file: Path,
+        whole: Collection[str],
+        reals: Collection[str],
+        by_mode: Collection[str],
+        modes: Sequence[int],
     ) -> None:
         self.file = file
         # Always the same names: what a killed process left behind is overwritten, not kept.
         self._own, self._part = (file.with_name(f".{file.name}.{end}") for end in ("rows", "part"))
         self._clear()
-        self._wide = {
-            name: [f"{name}_{mode}" for mode in modes] if name in by_mode else [name]
-            for name in columns
-        }
-        typed = [f"{each} {columns[name]}" for name, own in self._wide.items() for each in own]
-        self._held = np.empty((len(typed), 0))
-        shown = [f"unnest([{', '.join(self._wide[name])}]) AS {name}" for name in by_mode]
+        many = {name: [f"{name}_{mode}" for mode in modes] for name in by_mode}
+        self._wide = {name: [name] for name in (*whole, *reals)} | many
+        self._names = [each for own in self._wide.values() for each in own]
+        typed = [f"{each} {'BIGINT' if each in whole else 'DOUBLE'}" for each in self._names]
+        shown = [f"unnest([{', '.join(own)}]) AS {name}" for name, own in many.items()]
         shown.append(f"unnest({list(modes)})::BIGINT AS mode")
+        self._held = np.empty((len(typed), 0))
         with self._writing():
             self.base = connect(str(self._own), streams=True)
             self.base.execute("SET force_compression = 'uncompressed'")
@@ -60,9 +65,8 @@ class LongTable:
             ],
             out=held,
         )
-        names = [each for own in self._wide.values() for each in own]
         with self._writing():
-            self.base.register("block", dict(zip(names, held, strict=True)))
+            self.base.register("block", dict(zip(self._names, held, strict=True)))
             finite = "CASE WHEN isfinite(COLUMNS(*)) THEN COLUMNS(*) END"
             self.base.execute(f"INSERT INTO wide SELECT {finite} FROM block")
             self.base.unregister("block")

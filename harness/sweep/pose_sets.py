@@ -14,18 +14,20 @@ Where the limbs leave x and y to say, a set says both; what it does not name is 
 """
 
 import math
+import re
 from collections.abc import Mapping
 from glob import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError, Mechanism, Pose, position
 from analytic.errors import number
 from analytic.placed import place
 from analytic.regular_workspace import regular_workspace
 from analytic.workspace import Limits, heights
+from harness.history.duck import connect, quoted, reason
 from harness.poses import COLUMNS, LENGTHS, NAMES, TURNS, columns, stated
 
 OPTION = "poses"
@@ -45,11 +47,6 @@ PLAIN = ("z", "azimuth", "tilt")
 ENOUGH = (PLAIN, ("x", "y"), ("z", *TURNS))
 """Of these columns a file has all of one row at least."""
 _UNITS = {name: ("m", 1e-3) if name in LENGTHS else ("rad", math.pi / 180) for name in NAMES}
-_COLUMNS = tuple(
-    {f"{name}_{pair[name not in LENGTHS]}": name for name in NAMES}
-    for pair in (("mm", "deg"), ("m", "rad"))
-)
-Floats = NDArray[np.float64]
 
 
 def pose_set(text: str, mechanism: Mechanism) -> Pose:
@@ -61,7 +58,13 @@ def pose_set(text: str, mechanism: Mechanism) -> Pose:
     if kind == "pose":
         poses = _one(text, rest)
     elif kind == "random":
-        poses = _random(text, rest)
+        count, seed, ranges = _drawn(text, rest)
+        low, high = np.array([*ranges.values()]).T
+        # A pose's numbers are drawn together: a longer set begins with the shorter one.
+        drawn = np.random.default_rng(seed).random((count, len(ranges)))
+        drawn *= high - low
+        drawn += low
+        poses = _scaled(dict(zip(ranges, drawn.T, strict=True)))
     elif kind == "grid":
         poses = _grid(text, rest)
     elif kind == "workspace":
@@ -92,13 +95,10 @@ def written(pose: Pose) -> str:
 
 def _one(text: str, rest: str) -> Pose:
     expected = "pose:Z,AZIMUTH,TILT in mm and degrees, as in pose:490,10,-12, or x=60,y=110,z=640"
-    parts = [part.partition("=") for part in rest.split(",")]
-    if not any(equals for _, equals, _ in parts) and len(parts) == len(PLAIN):
-        parts = [(name, "=", value) for name, (value, _, _) in zip(PLAIN, parts, strict=True)]
+    if "=" not in rest and rest.count(",") == 2:
+        rest = ",".join(map("=".join, zip(PLAIN, rest.split(","), strict=True)))
     values = {}
-    for name, equals, part in parts:
-        if name not in NAMES or name in values or not equals:
-            raise InputError(OPTION, text, expected)
+    for name, part in _named(text, rest, expected).items():
         unit, scale = _UNITS[name]
         plain = part.removesuffix(unit)
         value = _float(text, plain, expected) * (scale if plain == part else 1.0)
@@ -106,25 +106,17 @@ def _one(text: str, rest: str) -> Pose:
     return stated(values)
 
 
-def _random(text: str, rest: str) -> Pose:
-    count, seed, ranges = _drawn(text, rest, ranges=True)
-    low, high = (np.array([limits[k] for limits in ranges.values()]) for k in (0, 1))
-    # A pose's numbers are drawn together: a longer set begins with the shorter one.
-    drawn = np.random.default_rng(seed).random((count, len(ranges)))
-    drawn *= high - low
-    drawn += low
-    return _scaled(dict(zip(ranges, drawn.T, strict=True)))
-
-
-def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tuple[float, float]]]:
+def _drawn(
+    text: str, rest: str, *, ranges: bool = True
+) -> tuple[int, int, dict[str, tuple[float, float]]]:
     """Return how many poses, the seed and the ranges in N[:SEED][:RANGES]."""
-    expected = f"{text.partition(':')[0]}:N[:SEED]{'[:RANGES]' if ranges else ''} with N above 0"
-    number_of, *more = rest.split(":")
-    seed, chosen = 0, dict(RANGES)
-    if more and more[0].isdecimal():
-        seed = int(more.pop(0))
-    if more and ranges:
-        named = _ranges(text, more.pop(0))
+    found = re.fullmatch(rf"(\d+)(?::(\d+))?{'(?::([^:]*))?' if ranges else '()'}", rest)
+    if found is None or not 0 < int(found[1]) <= MOST:
+        form = f"{text.partition(':')[0]}:N[:SEED]{'[:RANGES]' if ranges else ''}"
+        raise InputError(OPTION, text, f"{form} with N above 0")
+    chosen = dict(RANGES)
+    if found[3]:
+        named = _ranges(text, found[3])
         if not {*named} <= {*PLAIN, "torsion"}:
             chosen = {}
         for name, (low, high, steps) in named.items():
@@ -132,9 +124,7 @@ def _drawn(text: str, rest: str, ranges: bool) -> tuple[int, int, dict[str, tupl
                 without = "ranges such as z=350..700, without a number of steps"
                 raise InputError(OPTION, text, without)
             chosen[name] = (low, high)
-    if more or not number_of.isdecimal() or not 0 < int(number_of) <= MOST:
-        raise InputError(OPTION, text, expected)
-    return int(number_of), seed, chosen
+    return int(found[1]), int(found[2] or 0), chosen
 
 
 def _grid(text: str, rest: str) -> Pose:
@@ -149,7 +139,7 @@ def _grid(text: str, rest: str) -> Pose:
         raise InputError(OPTION, text, "a grid with heights, as in grid:z=350..700x8")
     if math.prod(map(len, axes.values())) > MOST:
         raise InputError(OPTION, text, f"at most {MOST} poses")
-    order = [name for name in NAMES if name in axes]
+    order = sorted(axes, key=NAMES.index)
     mesh = np.meshgrid(*(axes[name] for name in order), indexing="ij")
     return _scaled({name: axis.ravel() for name, axis in zip(order, mesh, strict=True)})
 
@@ -158,18 +148,26 @@ def _ranges(text: str, rest: str) -> dict[str, tuple[float, float, int | None]]:
     """Return low, high and number of steps of NAME=LOW[..HIGH[xSTEPS]] by name."""
     expected = f"{', '.join(NAMES)} each at most once, as in z=350..700x8,azimuth=0..360x12,tilt=5"
     found: dict[str, tuple[float, float, int | None]] = {}
-    for part in rest.split(","):
-        name, equals, span = part.partition("=")
-        span, x, steps = span.partition("x")
-        ends = span.split("..")
-        if name not in NAMES or name in found or not equals or len(ends) > 2:
-            raise InputError(OPTION, text, expected)
+    for name, given in _named(text, rest, expected).items():
+        span, x, steps = given.partition("x")
+        first, _, last = span.partition("..")
         if x and (not steps.isdecimal() or not 0 < int(steps) <= MOST):
             raise InputError(OPTION, text, expected)
-        low, high = (_float(text, end, expected) for end in (ends[0], ends[-1]))
+        low, high = (_float(text, end, expected) for end in (first, last or first))
         if low > high:
             raise InputError(OPTION, text, f"ranges from low to high, not {span}")
         found[name] = (low, high, int(steps) if x else None)
+    return found
+
+
+def _named(text: str, rest: str, expected: str) -> dict[str, str]:
+    """Return what stands behind each NAME= of some of `NAMES`."""
+    found: dict[str, str] = {}
+    for part in rest.split(","):
+        name, equals, value = part.partition("=")
+        if name not in NAMES or name in found or not equals:
+            raise InputError(OPTION, text, expected)
+        found[name] = value
     return found
 
 
@@ -180,49 +178,50 @@ def _float(text: str, part: str, expected: str) -> float:
         raise InputError(OPTION, text, expected) from None
 
 
-def _scaled(values: Mapping[str, Floats]) -> Pose:
+def _scaled(values: Mapping[str, Any]) -> Pose:
     return stated({n: v / 1000 if n in LENGTHS else np.radians(v) for n, v in values.items()})
 
 
 def _file(path: Path) -> Pose:
-    import duckdb
-
-    from harness.history.duck import connect, quoted, reason
-
     if not path.is_file() or not path.stat().st_size:  # a pipe or a device might never end
         why = "no regular file, or empty" if path.exists() else "No such file or directory"
         raise InputError(OPTION, str(path), f"a readable file of poses ({why})")
+    import duckdb
+
     name = quoted(escape(str(path)))
     source = f"read_parquet({name})"
     if path.suffix.lower() == ".csv":
         source = f"read_csv({name}, delim = ',', header = true, all_varchar = true)"
+    where = f"{OPTION} {path}"
+    edge, inside = (
+        {f"{name}_{length if name in LENGTHS else angle}": name for name in NAMES}
+        for length, angle in (("mm", "deg"), ("m", "rad"))
+    )
     try:
         with connect() as base:
-            found = base.sql(f"FROM {source}").columns
-            names = next((c for c in _COLUMNS if {*found} <= {*c}), _COLUMNS[0])
-            columns = [column for column in names if column in found]
-            enough = any({*some} <= {names[column] for column in columns} for some in ENOUGH)
-            if len(columns) != len(found) or not enough:
-                expected = "z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad"
-                raise InputError(
-                    f"{OPTION} {path}", found, f"{expected}; torsion, x, y, yaw, pitch, roll too"
-                )
             # First as they are: DuckDB would read them as numbers, and refuse what is none.
-            base.execute(f"CREATE TABLE given AS SELECT {', '.join(columns)} FROM {source}")
-            asked = ", ".join(f"TRY_CAST({c} AS DOUBLE) AS {c}" for c in columns)
-            values = base.execute(f"SELECT {asked} FROM given").fetchnumpy()
-            arrays: list[Floats] = [np.ma.filled(values[name], np.nan) for name in columns]
-            for name, value in zip(columns, arrays, strict=True):
-                bad = np.flatnonzero(~np.isfinite(value))
-                if bad.size:
-                    asked = f"SELECT {name} FROM given LIMIT 1 OFFSET {bad[0]}"
-                    ((word,),) = base.execute(asked).fetchall()
-                    where = f"{OPTION} {path}, {name}, row {bad[0] + 1}"
-                    raise InputError(where, word, "a finite number")
+            base.execute(f"CREATE TABLE given AS FROM {source}")
+            found = base.table("given").columns
+            names = inside if {*found} <= {*inside} else edge
+            own = {names.get(column) for column in found}
+            if None in own or not any(own.issuperset(some) for some in ENOUGH):
+                expected = "z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad"
+                raise InputError(where, found, f"{expected}; torsion, x, y, yaw, pitch, roll too")
+            for column in sorted(found, key=[*names].index):
+                value = f"TRY_CAST({column} AS DOUBLE)"
+                bad = base.execute(
+                    f"SELECT rowid + 1, {column} FROM given "
+                    f"WHERE ifnull(NOT isfinite({value}), true) ORDER BY rowid LIMIT 1"
+                ).fetchone()
+                if bad is not None:
+                    row, word = bad
+                    raise InputError(f"{where}, {column}, row {row}", word, "a finite number")
+            cast = "TRY_CAST(COLUMNS(*) AS DOUBLE)"
+            arrays = base.execute(f"SELECT {cast} FROM given").fetchnumpy()
     except duckdb.Error as error:
-        why = reason(error)
-        raise InputError(OPTION, str(path), f"a readable file of poses ({why})") from None
-    if not len(arrays[0]):
+        why = f"a readable file of poses ({reason(error)})"
+        raise InputError(OPTION, str(path), why) from None
+    values = {names[column]: array for column, array in arrays.items()}
+    if not len(next(iter(values.values()))):
         raise InputError(OPTION, str(path), "a file of at least one pose")
-    own = {names[column]: array for column, array in zip(columns, arrays, strict=True)}
-    return _scaled(own) if names is _COLUMNS[0] else stated(own)
+    return _scaled(values) if names is edge else stated(values)

@@ -13,7 +13,7 @@ from harness.case_file import load_cases
 from harness.history.store import open_history
 from harness.poses import COLUMNS, columns, named, stated, turned, used
 from harness.sweep.pose_sets import pose_set, written
-from harness.sweep.session import solve
+from harness.sweep.sweep import solve
 
 MECHANISMS = Path(__file__).parents[2] / "results/published/mechanisms.toml"
 

@@ -111,7 +111,7 @@ def test_a_kill_where_the_history_is_written_leaves_each_row_once(
     given += ("--output", str(tmp_path / "out"), "--history", str(tmp_path / "past"))
     write = "right(*given); " if moment == "after" else ""
     patch = (
-        "import os, signal, harness.sweep.sweep as rows; right = rows.append_table; "
+        "import os, signal, harness.sweep.rows as rows; right = rows.append_table; "
         f"rows.append_table = lambda *given: ({write.replace('; ', ', ')}"
         "os.kill(os.getpid(), signal.SIGKILL))"
     )

@@ -25,7 +25,7 @@ from harness.output import OutputError
 from harness.rows import mechanism_hash
 from harness.sweep import jobs as jobs_module
 from harness.sweep import pose_set, solve
-from harness.sweep import sweep as sweep_module
+from harness.sweep import rows as rows_module
 from harness.sweep.jobs import BATCH
 from reference_models import Named
 
@@ -296,7 +296,7 @@ def test_a_history_that_was_not_written_is_written_by_the_next_run(
         raise OutputError("history: cannot write there (No space left on device)")
 
     with monkeypatch.context() as patched:
-        patched.setattr(sweep_module, "append_table", full)
+        patched.setattr(rows_module, "append_table", full)
         assert rps_bench(*given).status == 2
     for _ in range(2):
         assert rps_bench(*given).status == 0
