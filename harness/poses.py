@@ -1,6 +1,7 @@
 """Poses as columns, in words, and from numbers by name: one way for all tables and files."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,16 @@ def columns(pose: Pose) -> dict[str, Any]:
 
 def used(poses: Iterable[Pose]) -> tuple[str, ...]:
     """Return the columns that say something of any of some poses: without torsion that is 0."""
-    some = list(poses)
-    more = {
-        "torsion_rad": any(np.any(pose.torsion) for pose in some),
-        "x_m": any(pose.x is not None for pose in some),
-        "y_m": any(pose.y is not None for pose in some),
-    }
-    return tuple(column for column in COLUMNS if more.get(column, True))
+    some = [*poses] or [Pose(0.0)]
+
+    def says(value: Any, name: str) -> bool:
+        return bool(np.any(value)) if name == "torsion" else value is not None
+
+    return tuple(
+        column
+        for column, name in COLUMNS.items()
+        if any(says(getattr(pose, name), name) for pose in some)
+    )
 
 
 def stated(values: Mapping[str, Any]) -> Pose:
@@ -48,59 +52,52 @@ def stated(values: Mapping[str, Any]) -> Pose:
         raise InputError("pose", f"{turns[0]}, {others[0]}", "angles of one kind")
     if "z" not in values and not ("x" in values and "y" in values):
         raise InputError("pose", ", ".join(values), "z, or x and y")
-    given = {"z": 0.0} | dict(values)
+    given = {"z": 0.0, **values}
     if not turns:
         return Pose(**given)
-    shape = np.broadcast_shapes(*(np.shape(value) for value in given.values()))
-    yaw, pitch, roll = (np.broadcast_to(given.get(name, 0.0), shape) for name in TURNS)
-    at = np.stack([np.broadcast_to(given.get(name, 0.0), shape) for name in ("x", "y", "z")], -1)
-    found = Pose.at(at, turn(2, yaw) @ turn(1, pitch) @ turn(0, roll))
+    *at, yaw, pitch, roll = np.broadcast_arrays(
+        *(given.get(name, 0.0) for name in ("x", "y", "z", *TURNS))
+    )
+    found = Pose.at(np.stack(at, -1), turn(2, yaw) @ turn(1, pitch) @ turn(0, roll))
     if "x" in given and "y" in given:
         return found
-    return Pose(found.z, found.azimuth, found.tilt, found.torsion, given.get("x"), given.get("y"))
+    return replace(found, x=given.get("x"), y=given.get("y"))
 
 
 def turn(axis: int, angle: Any) -> Any:
     """Return the rotation (..., 3, 3) by `angle` (...) [rad] about a coordinate axis."""
     c, s = np.cos(angle), np.sin(angle)
     R = np.zeros((*np.shape(angle), 3, 3))
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    R[..., axis, axis] = 1.0
-    R[..., first, first] = R[..., second, second] = c
-    R[..., second, first], R[..., first, second] = s, -s
-    return R
+    R[..., 0, 0] = 1.0
+    R[..., 1, 1] = R[..., 2, 2] = c
+    R[..., 2, 1], R[..., 1, 2] = s, -s
+    return np.roll(R, axis, (-2, -1))
 
 
 def turned(pose: Pose, angle: float) -> Pose:
     """Return the pose of a mechanism turned by `angle` about z [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = pose.x, pose.y
-    across = (None, None) if x is None else (c * x - s * y, s * x + c * y)
-    return Pose(pose.z, pose.azimuth + angle, pose.tilt, pose.torsion, *across)
+    across = {} if x is None else {"x": c * x - s * y, "y": s * x + c * y}
+    return replace(pose, azimuth=pose.azimuth + angle, **across)
 
 
 def named(pose: Pose) -> str:
     """Return one pose in words."""
-    return words(**columns(pose))
+    return words(*columns(pose).values())
 
 
-def words(
-    z_m: float | None,
-    azimuth_rad: float | None,
-    tilt_rad: float | None,
-    torsion_rad: float | None = None,
-    x_m: float | None = None,
-    y_m: float | None = None,
-) -> str:
-    """Return one pose in words, from its columns."""
-    if z_m is None or azimuth_rad is None or tilt_rad is None:
+def words(*values: float | None) -> str:
+    """Return one pose in words, from its `COLUMNS`."""
+    given = dict(zip(COLUMNS.values(), values, strict=True))
+    if None in (given["z"], given["azimuth"], given["tilt"]):
         return "no pose"
-    place = [f"{name} = {1000 * v:.6g} mm" for name, v in (("x", x_m), ("y", y_m)) if v is not None]
-    place.append(f"z = {1000 * z_m:.6g} mm")
-    place += [f"azimuth {np.degrees(azimuth_rad):.6g} deg", f"tilt {np.degrees(tilt_rad):.6g} deg"]
-    if torsion_rad:
-        place.append(f"torsion {np.degrees(torsion_rad):.6g} deg")
-    return ", ".join(place)
+    given["torsion"] = given["torsion"] or None  # 0 is none
+    return ", ".join(
+        f"{name} = {1000 * v:.6g} mm" if name in LENGTHS else f"{name} {np.degrees(v):.6g} deg"
+        for name in ("x", "y", "z", "azimuth", "tilt", "torsion")
+        if (v := given[name]) is not None
+    )
 
 
 def headings(shown: Iterable[str]) -> tuple[str, ...]:

@@ -94,10 +94,8 @@ def attempt(task: Task) -> object:
 
     try:
         return task.solve()
-    except RefusedError as error:
-        return Failure(_short(str(error)), refused=True)
     except (ModelError, UnavailableError, InputError) as error:
-        return Failure(_short(str(error)))
+        return Failure(_short(str(error)), isinstance(error, RefusedError))
     except Exception as error:
         return Failure(f"{type(error).__name__}: {_short(str(error)) or 'no reason given'}")
 
@@ -140,7 +138,7 @@ class Child:
         self.owner = OURS
 
     def solve(self, task: Task, limit: float) -> object:
-        """Return the answer within `limit` seconds, or raise `DiedError`; then it is of no use."""
+        """Return the answer within `limit` seconds, or raise `DiedError`; then only `close` it."""
         try:
             self._busy = True
             self._ready = self._ready or self._receive(START) == "ready"
@@ -149,29 +147,23 @@ class Child:
             self._busy = False
             return answer
         except (EOFError, OSError):
-            raise DiedError(self._ended(limit)) from None
+            status = self._process.wait()
+        if status == -signal.SIGALRM:
+            raise DiedError(f"gave no answer within the time limit of {limit:g} s")
+        if status < 0:
+            raise DiedError(f"its process was ended by {signal.Signals(-status).name}")
+        raise DiedError(f"its process ended by itself with status {status}")
 
     def _receive(self, limit: float) -> object:
         if not self._line.poll(limit):
-            self.close()
             raise DiedError(f"gave no answer within the time limit of {limit:g} s")
         try:
             return Plain(io.BytesIO(self._line.recv_bytes())).load()
         except (EOFError, OSError):
             raise
         except Exception as error:  # whoever writes into the line, or is no longer what it was
-            self.close()
             why = f"{type(error).__name__}: {_short(str(error))}"
             raise DiedError(f"its answer cannot be read ({why})") from None
-
-    def _ended(self, limit: float) -> str:
-        status = self._process.wait()
-        self.close()
-        if status == -signal.SIGALRM:
-            return f"gave no answer within the time limit of {limit:g} s"
-        if status < 0:
-            return f"its process was ended by {signal.Signals(-status).name}"
-        return f"its process ended by itself with status {status}"
 
     def kill(self) -> None:
         """End the process and all it started; safe while another thread waits for it.
@@ -204,16 +196,15 @@ class Children:
     def __init__(self, launcher: Sequence[str] = ()) -> None:
         self._launcher = launcher
         self._idle: list[Child] = []
-        self._all: set[Child] = set()
+        self._busy: set[Child] = set()
         self._lock = Lock()
         self._closed = False
 
     def start(self, number: int) -> None:
         """Start processes ahead of their jobs until there are `number`."""
         with self._lock:
-            new = [Child(self._launcher) for _ in range(number - len(self._all))]
-            self._idle += new
-            self._all.update(new)
+            lacking = number - len(self._idle) - len(self._busy)
+            self._idle += [Child(self._launcher) for _ in range(lacking)]
 
     def attempt(self, task: Task, limit: float, tries: int = TRIES) -> object:
         """Solve `task`; where its process dies, try anew up to `tries` times, then say why."""
@@ -224,17 +215,16 @@ class Children:
                 return Failure("interrupted")
             try:
                 answer = child.solve(task, limit)
-            except DiedError as error:
-                reason = f"{error} ({number} of {tries} tries)" if tries > 1 else str(error)
-                with self._lock:
-                    self._all.discard(child)
-                continue
-            except BaseException:  # Ctrl-C: a process in the middle of a job is of no use
+            except BaseException as error:  # Ctrl-C too: amid a job a process is of no use
                 child.close()
                 with self._lock:
-                    self._all.discard(child)
-                raise
+                    self._busy.discard(child)
+                if not isinstance(error, DiedError):
+                    raise
+                reason = f"{error} ({number} of {tries} tries)" if tries > 1 else str(error)
+                continue
             with self._lock:
+                self._busy.discard(child)
                 self._idle.append(child)
                 closed = self._closed
             if closed:
@@ -246,7 +236,7 @@ class Children:
         with self._lock:
             if self._closed:
                 return None
-            if not self._all:
+            if not self._idle and not self._busy:
                 sweep_up()
             fit = [child for child in self._idle if child.owner in (owner, OURS)]
             # One that knows the owner's modules already, if there is one.
@@ -256,18 +246,18 @@ class Children:
             else:
                 self._idle.remove(child)
             child.owner = owner
-            self._all.add(child)
+            self._busy.add(child)
             return child
 
     def close(self) -> None:
         """End all processes; jobs under way fail."""
         with self._lock:
             self._closed = True
-            idle, running = self._idle, self._all.difference(self._idle)
-            self._idle = []
+            idle, self._idle = self._idle, []
+            busy = [*self._busy]
         for child in idle:
             child.close()
-        for child in running:
+        for child in busy:
             child.kill()
 
 
@@ -303,10 +293,8 @@ def end_all_of(folder: str) -> None:
 def _alive(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:  # it is another user's
-        return True
+    except OSError as error:  # of another user's process, too
+        return not isinstance(error, ProcessLookupError)
     return True
 
 

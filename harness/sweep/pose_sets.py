@@ -110,12 +110,12 @@ def _drawn(
     text: str, rest: str, *, ranges: bool = True
 ) -> tuple[int, int, dict[str, tuple[float, float]]]:
     """Return how many poses, the seed and the ranges in N[:SEED][:RANGES]."""
-    found = re.fullmatch(rf"(\d+)(?::(\d+))?{'(?::([^:]*))?' if ranges else '()'}", rest)
-    if found is None or not 0 < int(found[1]) <= MOST:
+    found = re.fullmatch(r"(\d+)(?::(\d+))?(?::([^:]*))?", rest)
+    if not found or not 0 < int(found[1]) <= MOST or not (ranges or found[3] is None):
         form = f"{text.partition(':')[0]}:N[:SEED]{'[:RANGES]' if ranges else ''}"
         raise InputError(OPTION, text, f"{form} with N above 0")
     chosen = dict(RANGES)
-    if found[3]:
+    if found[3] is not None:
         named = _ranges(text, found[3])
         if not {*named} <= {*PLAIN, "torsion"}:
             chosen = {}
@@ -150,10 +150,10 @@ def _ranges(text: str, rest: str) -> dict[str, tuple[float, float, int | None]]:
     found: dict[str, tuple[float, float, int | None]] = {}
     for name, given in _named(text, rest, expected).items():
         span, x, steps = given.partition("x")
-        first, _, last = span.partition("..")
+        first, dots, last = span.partition("..")
         if x and (not steps.isdecimal() or not 0 < int(steps) <= MOST):
             raise InputError(OPTION, text, expected)
-        low, high = (_float(text, end, expected) for end in (first, last or first))
+        low, high = (_float(text, end, expected) for end in (first, last if dots else first))
         if low > high:
             raise InputError(OPTION, text, f"ranges from low to high, not {span}")
         found[name] = (low, high, int(steps) if x else None)
@@ -199,14 +199,14 @@ def _file(path: Path) -> Pose:
     )
     try:
         with connect() as base:
-            # First as they are: DuckDB would read them as numbers, and refuse what is none.
-            base.execute(f"CREATE TABLE given AS FROM {source}")
-            found = base.table("given").columns
+            found = base.sql(f"FROM {source}").columns
             names = inside if {*found} <= {*inside} else edge
             own = {names.get(column) for column in found}
             if None in own or not any(own.issuperset(some) for some in ENOUGH):
                 expected = "z_mm, azimuth_deg, tilt_deg, or z_m, azimuth_rad, tilt_rad"
                 raise InputError(where, found, f"{expected}; torsion, x, y, yaw, pitch, roll too")
+            # First as they are: DuckDB would read them as numbers, and refuse what is none.
+            base.execute(f"CREATE TABLE given AS FROM {source}")
             for column in sorted(found, key=[*names].index):
                 value = f"TRY_CAST({column} AS DOUBLE)"
                 bad = base.execute(
