@@ -66,8 +66,7 @@ def run(request: Request, bench: Bench) -> "Identification":
     from pathlib import Path
 
     from harness.studies.identification.estimate import identify, readings
-    from harness.studies.identification.parameters import INERTIAS
-    from harness.studies.identification.problem import Problem
+    from harness.studies.identification.problem import INERTIAS, Problem
     from harness.studies.identification.result import Identification, solved
     from harness.studies.identification.table import published_table, read_table
 

@@ -1,32 +1,31 @@
-"""Which mechanism a table of frequencies belongs to: fits with intervals, and ranked readings."""
+"""Which mechanism a table belongs to: fits, what they pin down and cannot see; ranked readings."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import qr
 
 from analytic import InputError
-from harness.studies.identification.directions import (
-    Direction,
-    Quantity,
-    directions,
-    quantities,
-    sensitivities,
-)
+from harness.signatures import Array
 from harness.studies.identification.fit import profile_ends, rise, search
-from harness.studies.identification.problem import Problem
-
-Floats = NDArray[np.float64]
+from harness.studies.identification.problem import Problem, letter
 
 LEVEL = 0.95
 """Confidence of every interval."""
 ENDS = ("alone_from", "alone_to", "together_from", "together_to")
 READING_STARTS = 4
 """Starts of each reading's search: there are hundreds of readings."""
+UNSEEN = 1e-6
+"""A direction with this part of the largest singular value is one that no table can show."""
+PINNED = "d / L^2 [1/m]"
+"""Bending frequencies of a limb of length L and diameter d grow with it."""
+STEP = 3e-4
+"""Of a central difference, over the distance between the bounds."""
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,12 @@ class Reading:
     """
 
     problem: Problem
-    x: Floats
+    x: Array
     sum: float
-    error: Floats
+    error: Array
 
     @property
-    def values(self) -> Floats:
+    def values(self) -> Array:
         """The parameters, (P,), in the units of the names."""
         return self.problem.from_x(self.x)
 
@@ -52,17 +51,16 @@ class Reading:
         return dict(zip(self.problem.names, self.values.tolist(), strict=True))
 
     @property
-    def held(self) -> tuple[str, ...]:
-        """The parameters that end at a bound."""
+    def held(self) -> NDArray[np.bool_]:
+        """Which parameters end at a bound, (P,)."""
         low, high = self.problem.limits
         close = 1e-6 * (high - low)
-        ends = (self.x <= low + close) | (self.x >= high - close)
-        return tuple(name for name, end in zip(self.problem.names, ends, strict=True) if end)
+        return np.asarray((self.x <= low + close) | (self.x >= high - close))
 
     @property
     def rms(self) -> float:
         """Root mean square of the errors of different values, relative."""
-        return float(np.sqrt(self.sum / self.problem.table.weights.sum()))
+        return float(np.sqrt(self.sum / self.problem.table.count))
 
     @property
     def worst(self) -> float:
@@ -72,19 +70,45 @@ class Reading:
     @property
     def criterion(self) -> float:
         """Akaike's, corrected for few values (lower is better); NaN where there are too few."""
-        n, k = float(self.problem.table.weights.sum()), len(self.x) + 1  # the noise is one more
+        n, k = self.problem.table.count, len(self.x) + 1  # the noise is one more
         left = n - k - 1
         return 2 * n * np.log(self.rms) + 2 * k + 2 * k * (k + 1) / left if left > 0 else np.nan
 
     def ends(self, k: int) -> dict[str, Any]:
         """What is known of where the k-th parameter may be, by column."""
-        return {"at_bound": self.problem.names[k] in self.held}
+        return {"at_bound": bool(self.held[k])}
 
     def __str__(self) -> str:
         """What its parameters are fitted to; *: at a bound."""
-        held = self.held
-        text = ", ".join(f"{n} {v:.4g}{'*' if n in held else ''}" for n, v in self.fitted.items())
-        return text or "nothing"
+        each = zip(self.fitted.items(), self.held, strict=True)
+        return ", ".join(f"{n} {v:.4g}{'*' if end else ''}" for (n, v), end in each) or "nothing"
+
+
+class Direction(NamedTuple):
+    """A product of powers: `exponents` by parameter, the largest being 1 in size.
+
+    `deviation` of its logarithm, 1 sigma, from the table alone; infinite where it sees nothing.
+    """
+
+    exponents: dict[str, float]
+    deviation: float
+
+    def __str__(self) -> str:
+        shown = [(letter(n), e) for n, e in self.exponents.items() if abs(e) >= 0.1]
+        shown.sort(key=lambda pair: -round(abs(pair[1]), 4))  # equal ones stay in their order
+        return " ".join(f"{letter}^{e:.2g}" if round(e, 2) != 1 else letter for letter, e in shown)
+
+
+class Quantity(NamedTuple):
+    """A combination with a name: its `value`, and the 1 sigma deviation of its logarithm.
+
+    `before`, as the bounds of all parameters leave it, and `after` the table is known too.
+    """
+
+    name: str
+    value: float
+    before: float
+    after: float
 
 
 @dataclass(frozen=True)
@@ -94,27 +118,36 @@ class Fit(Reading):
     Attributes: how many starts `reached` the minimum; `alone` and `together` (P, 2), profile
     intervals of each parameter by itself and of all at once, in the units of the names; `open`
     (P, 2), where a bound came first in the latter; `heights` (2,), by which S rises to the ends of
-    either; `noise`, the relative standard deviation of one
-    value, `assumed` or, where that is None, the residuals' own; `freedom`, values more than
-    parameters.
+    either; `noise`, the relative standard deviation of one value, `assumed` or, where that is None,
+    the residuals' own; `freedom`, values more than parameters.
     """
 
     reached: int
-    alone: Floats
-    together: Floats
+    alone: Array
+    together: Array
     open: NDArray[np.bool_]
-    heights: Floats
+    heights: Array
     noise: float
     assumed: float | None
     freedom: int
 
+    @property
+    def named(self) -> bool:
+        """Whether combinations of its parameters have names."""
+        return self.problem.whole and self.problem.regular
+
+    def intervals(self) -> Iterator[tuple[Any, ...]]:
+        """Return of every parameter name, value, what is given, `alone`, `together` and `open`."""
+        found, ends = self.problem, (self.alone, self.together, self.open)
+        return zip(found.names, self.values, found.given, *ends, strict=True)
+
     def ends(self, k: int) -> dict[str, Any]:
         """95 % intervals of the k-th parameter alone, and of all together, by column."""
-        found = zip(ENDS, (*self.alone[k], *self.together[k]), strict=True)
-        return {**dict(found), "at_bound": bool(self.open[k].any())}
+        found = dict(zip(ENDS, (*self.alone[k], *self.together[k]), strict=True))
+        return {**found, "at_bound": bool(self.open[k].any())}
 
     @cached_property
-    def _slopes(self) -> tuple[Problem, Floats, Floats]:
+    def _slopes(self) -> tuple[Problem, Array, Array]:
         return sensitivities(self.problem, self.fitted)
 
     @cached_property
@@ -126,8 +159,8 @@ class Fit(Reading):
     @cached_property
     def left(self) -> list[Direction]:
         """The products of powers of what is fitted alone, best known first."""
-        _, _, J = sensitivities(self.problem, self.fitted, self.problem.names)
-        return directions(self.problem.names, J, self.noise)
+        whole, _, J = sensitivities(self.problem, self.fitted, self.problem.names)
+        return directions(whole.names, J, self.noise)
 
     @cached_property
     def quantities(self) -> list[Quantity]:
@@ -136,11 +169,11 @@ class Fit(Reading):
 
 
 def fit(
-    problem: Problem, observed: Floats, noise: float | None = None, starts: int = 16, seed: int = 0
+    problem: Problem, observed: Array, noise: float | None = None, starts: int = 16, seed: int = 0
 ) -> list[Fit]:
     """Fit all parameters of `problem` to each of the logarithms `observed` (T, cases * modes)."""
     T, P = len(observed), len(problem.names)
-    freedom = values_of(problem) - P
+    freedom = problem.table.count - P
     if freedom < 1:
         expected = f"fewer than the {freedom + P} different values of the table"
         raise InputError("parameters", P, expected)
@@ -148,22 +181,15 @@ def fit(
     free = np.ones((T, P), dtype=bool)
     x, sums, reached = search(residuals, problem.start, free, *limits, starts=starts, seed=seed)
     heights = [rise(LEVEL, k, sums=sums, freedom=freedom, noise=noise) for k in (1, P)]
-    ends = []
-    for height in heights:
-        at, opened = profile_ends(residuals, x, sums, *limits, height)
-        ends.append(problem.from_x(at.swapaxes(1, 2)).swapaxes(1, 2))
+    profiles = [profile_ends(residuals, x, sums, *limits, height) for height in heights]
+    alone, together = (problem.from_x(at.swapaxes(1, 2)).swapaxes(1, 2) for at, _ in profiles)
     error = problem.frequencies(x) / problem.table.frequencies - 1
     spread = np.sqrt(sums / freedom) if noise is None else np.full(T, noise)
     return [
-        Fit(problem, x[t], float(sums[t]), error[t], int(reached[t]), ends[0][t], ends[1][t],
-            opened[t], np.array(heights)[:, t], float(spread[t]), noise, freedom)
+        Fit(problem, x[t], float(sums[t]), error[t], int(reached[t]), alone[t], together[t],
+            profiles[1][1][t], np.array(heights)[:, t], float(spread[t]), noise, freedom)
         for t in range(T)
     ]  # fmt: skip
-
-
-def values_of(problem: Problem) -> int:
-    """Return how many different values the table of a problem has."""
-    return round(float(problem.table.weights.sum()))
 
 
 def identify(problem: Problem, noise: float | None = None, starts: int = 16, seed: int = 0) -> Fit:
@@ -174,7 +200,7 @@ def identify(problem: Problem, noise: float | None = None, starts: int = 16, see
     table = problem.table
     (found,) = fit(problem, table.logarithms[None], noise, starts, seed)
     if noise is None and found.noise <= table.rounding:
-        (found,) = fit(problem, table.logarithms[None], table.rounding, starts, seed)
+        return identify(problem, table.rounding, starts, seed)
     return found
 
 
@@ -187,17 +213,84 @@ def readings(
     """Return every choice of at most `most` parameters of each problem, fitted; best first."""
     found = []
     for whole in wholes:
-        P, most_here = len(whole.names), min(most, values_of(whole) - 1, len(whole.names))
-        chosen = [c for k in range(most_here + 1) for c in combinations(range(P), k)]
+        P, table = len(whole.names), whole.table
+        sizes = range(min(most, table.count - 1, P) + 1)
+        chosen = [list(columns) for k in sizes for columns in combinations(range(P), k)]
         free = np.array([[k in columns for k in range(P)] for columns in chosen])
-        residuals = whole.residuals(whole.table.logarithms[None])
+        residuals = whole.residuals(table.logarithms[None])
         points, sums, _ = search(
             residuals, whole.start, free, *whole.limits, starts=READING_STARTS, seed=seed
         )
-        error = whole.frequencies(points) / whole.table.frequencies - 1
+        error = whole.frequencies(points) / table.frequencies - 1
         for row, columns in enumerate(chosen):
             own = replace(whole, names=tuple(whole.names[k] for k in columns))
-            x = points[row, list(columns)]
-            found.append(Reading(own, x, float(sums[row]), error[row]))
+            found.append(Reading(own, points[row, columns], float(sums[row]), error[row]))
         done(whole.label)
     return sorted(found, key=lambda reading: (len(reading.x), reading.rms))
+
+
+def sensitivities(
+    problem: Problem, values: Mapping[str, float], names: Sequence[str] = ()
+) -> tuple[Problem, Array, Array]:
+    """Return the problem of `names`, its x at `values`, and weighted d ln f / d ln p there.
+
+    Shape (cases * modes, parameters); of what may be zero, and is, d ln f / dp over its bounds. By
+    default of all parameters of the most tilted case that can move: but for the angles if none is
+    tilted, and a disc's density, which would only repeat its thickness.
+    """
+    k = int(np.argmax([abs(case.pose.tilt) for case in problem.table.cases]))
+    known, tilted = problem.known[k], problem.table.cases[k].pose.tilt
+    away = {"platform_density_kg_m3"} | (set() if tilted else {"azimuth_deg", "tilt_deg"})
+    names = names or [n for n in sorted(known, key=lambda n: known[n].linear) if n not in away]
+    whole = replace(problem, names=tuple(names), bounds={})
+    there = {**problem.at(values)[k], **values}
+    own = np.array([there[name] for name in names])
+    x, (low, high) = whole.to_x(own), whole.limits
+    steps = STEP * (high - low)
+    both = np.concatenate([x + np.diag(steps), x - np.diag(steps)])
+    up, down = np.split(np.log(whole.frequencies(both)).reshape(len(both), -1), 2)
+    scale = np.where(whole.linear, np.where(own, own, (high - low) / 2), 1.0)
+    J = np.sqrt(problem.table.weights)[:, None] * ((up - down) / (2 * steps[:, None])).T * scale
+    kept = np.isfinite(J).all(axis=0)
+    if kept.all():
+        return whole, x, J
+    return sensitivities(problem, values, [n for n, can in zip(names, kept, strict=True) if can])
+
+
+def directions(names: Sequence[str], J: Array, noise: float) -> list[Direction]:
+    """Return the products of powers that J (values, names) tells apart, best known first."""
+    _, s, rows = np.linalg.svd(J, full_matrices=True)
+    s = np.concatenate([s, np.zeros(len(rows) - len(s))])
+    nothing = s <= UNSEEN * s[0]
+    if nothing.any():
+        # Any mixture is unseen as well: take those that share as few parameters as can be.
+        pivots = np.sort(qr(rows[nothing], mode="r", pivoting=True)[1][: nothing.sum()])
+        rows[nothing] = np.linalg.solve(rows[nothing][:, pivots], rows[nothing])
+    found = []
+    for size, row, unseen in zip(s, rows, nothing, strict=True):
+        largest = row[np.abs(row).argmax()]
+        deviation = np.inf if unseen else noise / (size * abs(largest))
+        found.append(Direction(dict(zip(names, row / largest, strict=True)), float(deviation)))
+    return found
+
+
+def quantities(whole: Problem, x: Array, J: Array, noise: float) -> list[Quantity]:
+    """Return the named combinations, with young and density known and all else within bounds."""
+    low, high = whole.limits
+    own = whole.from_x(x)
+    keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
+    prior = ((high - low) / np.sqrt(12) / np.where(whole.linear, np.abs(own), 1.0))[keep] ** 2
+    covariance = np.linalg.inv(J[:, keep].T @ J[:, keep] / noise**2 + np.diag(1 / prior))
+    # Their values, and those a small step of the logarithm of each parameter up and down.
+    steps = 1e-5 * np.eye(len(x))[keep]
+    steps = np.concatenate([0 * steps[:1], steps, -steps])
+    tilted = max(whole.at(dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))),
+                 key=lambda values: np.abs(values["tilt_deg"]).max())  # fmt: skip
+    found = []
+    for name, values in whole.groups(tilted).items():
+        if values.all():  # without tilt one of them is zero
+            up, down = np.split(np.log(np.abs(values[1:])), 2)
+            slope = (up - down) / 2e-5
+            before, after = np.sqrt(slope**2 @ prior), np.sqrt(slope @ covariance @ slope)
+            found.append(Quantity(name, float(values[0]), float(before), float(after)))
+    return found

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, f, qmc
 
-Floats = NDArray[np.float64]
+from harness.signatures import Array
+
 Flags = NDArray[np.bool_]
-Residuals = Callable[[Floats, NDArray[np.intp]], Floats]
+Whole = NDArray[np.intp]
+Residuals = Callable[[Array, Whole], Array]
 
 STEP = 1e-5
 """Of a one-sided difference, over the distance between the bounds."""
@@ -31,13 +33,13 @@ CLOSE = 1e-3
 
 def minimise(
     residuals: Residuals,
-    start: Floats,
+    start: Array,
     free: Flags,
-    lower: Floats,
-    upper: Floats,
-    owner: NDArray[np.intp] | None = None,
+    lower: Array,
+    upper: Array,
+    owner: Whole | None = None,
     steps: int = 60,
-) -> tuple[Floats, Floats]:
+) -> tuple[Array, Array]:
     """Return minima (B, P) that Levenberg's and Marquardt's steps reach from `start`, and S (B,).
 
     Only parameters that are `free` (B, P) move, within `lower` and `upper` (P,). At a bound that
@@ -45,13 +47,12 @@ def minimise(
     default the row.
     """
     points = np.where(free, np.clip(start, lower, upper), start)
-    owner = np.arange(len(points)) if owner is None else owner
+    left = np.arange(len(points))
+    owner = left if owner is None else owner
     values = residuals(points, owner)
     sums = (values**2).sum(axis=1)
-    J = np.zeros((*values.shape, points.shape[1]))
+    J, scale = np.zeros((*values.shape, points.shape[1])), np.zeros(points.shape)
     damping, fresh = np.full(len(points), 1e-3), np.ones(len(points), dtype=bool)
-    scale = np.zeros(points.shape)
-    left = np.arange(len(points))
     for _ in range(steps):
         new = left[fresh[left]]
         J[new] = jacobian(residuals, points[new], values[new], free[new], lower, upper, owner[new])
@@ -88,13 +89,13 @@ def minimise(
 
 def jacobian(
     residuals: Residuals,
-    points: Floats,
-    values: Floats,
+    points: Array,
+    values: Array,
     free: Flags,
-    lower: Floats,
-    upper: Floats,
-    owner: NDArray[np.intp],
-) -> Floats:
+    lower: Array,
+    upper: Array,
+    owner: Whole,
+) -> Array:
     """Return d residuals / d points (B, m, P), zero where not `free`, by differences inwards."""
     row, column = np.nonzero(free)
     size = STEP * (upper - lower)
@@ -108,14 +109,14 @@ def jacobian(
 
 def search(
     residuals: Residuals,
-    base: Floats,
+    base: Array,
     free: Flags,
-    lower: Floats,
-    upper: Floats,
+    lower: Array,
+    upper: Array,
     *,
     starts: int = 8,
     seed: int = 0,
-) -> tuple[Floats, Floats, NDArray[np.intp]]:
+) -> tuple[Array, Array, Whole]:
     """Return each fit's lowest minimum (F, P), its S, and how many starts reached it, (F,).
 
     `base` (P,) holds what is not `free` (F, P). Of `base` and SAMPLE Sobol points a start within
@@ -139,7 +140,7 @@ def search(
     return points[np.arange(F), sums.argmin(axis=1)], lowest, reached
 
 
-def rise(level: float, together: int, *, sums: Floats, freedom: int, noise: float | None) -> Floats:
+def rise(level: float, together: int, *, sums: Array, freedom: int, noise: float | None) -> Array:
     """Return how far S may rise above its minima `sums` (B,) at confidence `level`, (B,).
 
     With residuals of known standard deviation `noise` by chi-square, else by F, the noise taken
@@ -152,8 +153,8 @@ def rise(level: float, together: int, *, sums: Floats, freedom: int, noise: floa
 
 
 def profile_ends(
-    residuals: Residuals, best: Floats, sums: Floats, lower: Floats, upper: Floats, height: Floats
-) -> tuple[Floats, Flags]:
+    residuals: Residuals, best: Array, sums: Array, lower: Array, upper: Array, height: Array
+) -> tuple[Array, Flags]:
     """Return where S, minimised over all other parameters, has risen by `height` (B,).
 
     From minima `best` (B, P) with S `sums`; ends (B, P, 2), lower and upper, and where a bound came
@@ -161,22 +162,20 @@ def profile_ends(
     """
     B, P = best.shape
     owner = np.arange(B)
-    values, free = residuals(best, owner), np.ones((B, P), dtype=bool)
-    J = jacobian(residuals, best, values, free, lower, upper, owner)
+    free = np.ones((B, P), dtype=bool)
+    J = jacobian(residuals, best, residuals(best, owner), free, lower, upper, owner)
     covariance = np.linalg.pinv(np.einsum("bmp,bmq->bpq", J, J), rcond=1e-14, hermitian=True)
     fit, j, which = (index.ravel() for index in np.indices((B, P, 2)))
     side = 2.0 * which - 1
-    wall = np.where(side < 0, lower[j], upper[j])
-    centre, target = best[fit, j], np.sqrt(height[fit])
-    variance = covariance[fit, j, j]
+    centre, target, variance = best[fit, j], np.sqrt(height[fit]), covariance[fit, j, j]
     unseen = variance < UNSEEN
     direction = np.where(unseen, 0.0, covariance[fit, :, j].T / np.maximum(variance, UNSEEN)).T
     # How far from the centre; at a distance of zero sqrt(S - S_min) is zero too.
-    reach = np.abs(wall - centre)
-    near, near_u = np.zeros(len(fit)), np.zeros(len(fit))
-    far, far_u = np.full(len(fit), np.inf), np.full(len(fit), np.inf)
+    reach = np.abs(np.where(side < 0, lower[j], upper[j]) - centre)
     distance = np.where(unseen, reach, np.minimum(np.sqrt(variance) * target, reach))
     points = best[fit] + direction * (side * distance)[:, None]
+    # Distance and sqrt(S - S_min) on both sides of each end, as far as they are known.
+    near, far = np.zeros((2, len(fit))), np.full((2, len(fit)), np.inf)
     shut = reach <= 0
     left = np.flatnonzero(~shut)
     for _ in range(25):
@@ -185,25 +184,16 @@ def profile_ends(
         points[left], S = minimise(residuals, points[left], others, lower, upper, fit[left])
         u = np.sqrt(np.maximum(S - sums[fit[left]], 0))
         short = u < target[left]
-        near[left] = np.where(short, distance[left], near[left])
-        near_u[left] = np.where(short, u, near_u[left])
-        far[left] = np.where(short, far[left], distance[left])
-        far_u[left] = np.where(short, far_u[left], u)
+        for end, own in ((near, short), (far, ~short)):
+            end[:, left[own]] = distance[left[own]], u[own]
         shut[left] = short & (distance[left] >= reach[left])
-        done = shut[left] | (np.abs(u - target[left]) < CLOSE * target[left])
-        left = left[~done]
+        left = left[~shut[left] & (np.abs(u - target[left]) >= CLOSE * target[left])]
         if not left.size:
             break
-        distance[left] = _next(near, near_u, far, far_u, target, reach)[left]
+        # The next to try lies between the two, or beyond `near` if nothing is.
+        (a, u_a), (b, u_b), wanted = near[:, left], far[:, left], target[left]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            inside = a + np.clip((wanted - u_a) / (u_b - u_a), 0.1, 0.9) * (b - a)
+            beyond = np.minimum(a * np.clip(1.05 * wanted / u_a, 1.2, 4.0), reach[left])
+        distance[left] = np.where(np.isfinite(b), inside, beyond)
     return (centre + side * distance).reshape(B, P, 2), shut.reshape(B, P, 2)
-
-
-def _next(
-    near: Floats, near_u: Floats, far: Floats, far_u: Floats, target: Floats, reach: Floats
-) -> Floats:
-    """Return the next distance to try: between `near` and `far`, or beyond `near` if none is."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = np.clip((target - near_u) / (far_u - near_u), 0.1, 0.9)
-        inside = near + share * (far - near)
-        beyond = near * np.clip(1.05 * target / near_u, 1.2, 4.0)
-    return np.where(np.isfinite(far), inside, np.minimum(beyond, reach))

@@ -1,9 +1,9 @@
-"""What an identification says: tables, sentences, and mechanisms for the history."""
+"""What an identification says: tables, sentences, a figure, and mechanisms for the history."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from itertools import groupby, islice
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -13,14 +13,11 @@ from harness.case import Case
 from harness.compare import cell, cells
 from harness.result import Result
 from harness.rows import mode_rows, settings
-from harness.studies.identification.directions import PINNED
-from harness.studies.identification.estimate import LEVEL, Fit, Reading
-from harness.studies.identification.parameters import INERTIAS, described
+from harness.signatures import Figure
+from harness.studies.identification.estimate import LEVEL, PINNED, Fit, Reading
+from harness.studies.identification.problem import described
 from harness.tables import Cell, Number, Table
 from harness.workers import Failure
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SHOWN, KEPT = 3, 12
 """Readings shown, and kept as numbers, for each number of free parameters, with either frames."""
@@ -36,6 +33,7 @@ VERDICTS = {0.05: "pins it down", LOOSE: "knows it loosely", np.inf: "leaves it 
 IDENTIFIED = "identified"
 """The case in a row: a fitted mechanism is not that of the table's case, which is in `settings`."""
 BASE, PLATFORM = "base_radius_mm", "platform_radius_mm"
+PERCENT = f"{100 * LEVEL:.0f} %"
 
 
 @dataclass(frozen=True)
@@ -59,18 +57,13 @@ class Identification(Result):
 
         Ends of 95 % intervals of the parameter alone, and of all together; NaN where none is known.
         """
-        ranked = [
-            ("reading", rank, one)
-            for _, _, some in grouped(self.readings)
-            for rank, one in enumerate(some[:KEPT], start=1)
-        ]
-        for kind, rank, one in [*(("fit", 1, fit) for fit in self.fits), *ranked]:
-            problem = one.problem
+        for rank, one in [*((1, fit) for fit in self.fits), *best(self.readings, KEPT)]:
+            problem, fitted = one.problem, isinstance(one, Fit)
             about = {
                 "table": problem.table.source, "model": label(problem.model),
                 "inertia": problem.inertia, "frames": problem.frames, "free": len(problem.names),
-                "kind": kind, "rank": rank, "rms_percent": 100 * one.rms,
-                "worst_percent": one.worst, "aicc": np.nan if kind == "fit" else one.criterion,
+                "kind": "fit" if fitted else "reading", "rank": rank, "rms_percent": 100 * one.rms,
+                "worst_percent": one.worst, "aicc": np.nan if fitted else one.criterion,
             }  # fmt: skip
             for k, (name, value) in enumerate(one.fitted.items()):
                 yield about | {"parameter": name, "value": value} | one.ends(k)
@@ -83,10 +76,13 @@ class Identification(Result):
         found["-parameters"] = parameters_table(self.fits)
         found["-residuals"] = residuals_table(self.fits)
         one = self.fits[-1]
-        found |= {"-directions": directions_table(one)} if one.problem.whole else {}
-        return found | ({"-quantities": quantities_table(one)} if one.problem.named else {})
+        if one.problem.whole:
+            found["-directions"] = directions_table(one)
+        if one.named:
+            found["-quantities"] = quantities_table(one)
+        return found
 
-    def figures(self) -> dict[str, "Figure"]:
+    def figures(self) -> dict[str, Figure]:
         """Return the profiles of every parameter, and below them what the fits leave."""
         from harness.studies.identification.picture import profile_figure
 
@@ -95,7 +91,7 @@ class Identification(Result):
     def sentences(self) -> list[str]:
         """Return what the fits and readings say; nothing of what was not asked for."""
         fits, ranked = self.fits, self.readings
-        lines = _pinned(fits[-1]) if fits[-1].problem.named else _known(fits[-1])
+        lines = _pinned(fits[-1]) if fits[-1].named else _known(fits[-1])
         if ranked:
             most = max(len(reading.x) for reading in ranked)
             lines.append(
@@ -107,39 +103,38 @@ class Identification(Result):
         return lines + (_lean(*with_base) if len(with_base) == 2 else [])
 
 
+def best(ranked: Sequence[Reading], most: int) -> Iterator[tuple[int, Reading]]:
+    """Yield rank and reading, the best of each number of free parameters with either frames."""
+    order = sorted(ranked, key=lambda r: (len(r.x), r.problem.mirrored, r.rms))
+    for _, group in groupby(order, key=lambda r: (len(r.x), r.problem.mirrored)):
+        yield from enumerate(islice(group, most), start=1)
+
+
 def readings_table(ranked: Sequence[Reading]) -> Table:
     """Return the best readings of every number of free parameters, and what they miss [%]."""
     rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (count, frames, rank, r.problem.theory, str(r), Number(100 * r.rms, 2), Number(r.worst, 2),
-         cell(r.criterion, 1, none="too few values"))
-        for count, frames, some in grouped(ranked)
-        for rank, r in enumerate(some[:SHOWN], start=1)
+        (len(r.x), r.problem.frames, rank, r.problem.theory, str(r), Number(100 * r.rms, 2),
+         Number(r.worst, 2), cell(r.criterion, 1, none="too few values"))
+        for rank, r in best(ranked, SHOWN)
     )  # fmt: skip
     columns = ("Free", "Frames", "Rank", "Model", "Fitted", "rms [%]", "worst [%]", "AICc")
-    table, best = ranked[0].problem.table, simplest(ranked)
+    table, plainest = ranked[0].problem.table, simplest(ranked)
     notes = (
         f"of {table.source}; what is not named is as in {', '.join(c.name for c in table.cases)}",
         f"{len(ranked)} readings: every choice of so many candidates, under every model; rms over "
         "different values: a repeated mode counts once; *: at a bound",
         f"AICc: Akaike's criterion for few values; differences below {ALIKE} mean nothing. Fewest "
-        f"parameters among the best: {best.problem.label}, {best}",
+        f"parameters among the best: {plainest.problem.label}, {plainest}",
         closest_note(ranked),
         *((MIRRORED,) if any(r.problem.mirrored for r in ranked) else ()),
     )
     return Table("Readings ranked by free parameters", columns, rows, notes)
 
 
-def grouped(ranked: Sequence[Reading]) -> Iterator[tuple[int, str, list[Reading]]]:
-    """Yield readings by number of free parameters and frames, best first."""
-    order = sorted(ranked, key=lambda r: (len(r.x), r.problem.mirrored, r.rms))
-    for (count, frames), group in groupby(order, key=lambda r: (len(r.x), r.problem.frames)):
-        yield count, frames, list(group)
-
-
 def simplest(ranked: Sequence[Reading]) -> Reading:
     """Return, of all readings as good as the best by AICc, that of the fewest parameters."""
-    best = np.nanmin([r.criterion for r in ranked] + [np.inf])
-    good = [r for r in ranked if r.criterion <= best + ALIKE] or ranked
+    least = np.nanmin([r.criterion for r in ranked] + [np.inf])
+    good = [r for r in ranked if r.criterion <= least + ALIKE] or ranked
     return min(good, key=lambda r: (len(r.x), r.rms))
 
 
@@ -160,27 +155,27 @@ def parameters_table(fits: Sequence[Fit]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     notes = []
     for one in fits:
-        found, table = one.problem, one.problem.table
-        for k, (name, value) in enumerate(one.fitted.items()):
+        name = one.problem.label
+        for parameter, value, given, alone, together, opened in one.intervals():
             ends = [
-                f"none ({_number(end)})" if opened else _number(end)
-                for end, opened in zip(one.together[k], one.open[k], strict=True)
+                f"none ({_number(end)})" if none else _number(end)
+                for end, none in zip(together, opened, strict=True)
             ]
-            low, high = one.together[k]
-            lies = "inside" if low <= found.given[k] <= high else "outside"
-            rows.append((found.label, name, _number(value), *map(_number, one.alone[k]), *ends,
-                         _number(found.given[k]), lies))  # fmt: skip
-        source = "from the rounding of the table" if one.assumed == table.rounding else "as given"
+            lies = "inside" if together[0] <= given <= together[1] else "outside"
+            rows.append((name, parameter, _number(value), *map(_number, alone), *ends,
+                         _number(given), lies))  # fmt: skip
+        source = "as given"
         if one.assumed is None:
             source = f"from the residuals themselves ({one.freedom} to spare)"
+        elif one.assumed == one.problem.table.rounding:
+            source = "from the rounding of the table"
         notes.append(
-            f"{found.label}: rms {100 * one.rms:.2f} %, noise {100 * one.noise:.3g} % a value, "
-            f"{source}; {one.reached} starts met at this minimum"
+            f"{name}: rms {100 * one.rms:.2f} %, noise {100 * one.noise:.3g} % a value, {source}; "
+            f"{one.reached} starts met at this minimum"
         )
-    level = f"{100 * LEVEL:.0f} %"
     notes += [
-        f"profile likelihood: 'alone' holds each true value in {level} of tables, 'together' all "
-        f"of them at once in at least {level}",
+        f"profile likelihood: 'alone' holds each true value in {PERCENT} of tables, 'together' all "
+        f"of them at once in at least {PERCENT}",
         "none (bound): the parameter's bound came first; the table sets no end before it",
     ]
     columns = ("Model", "Parameter", "Fitted", "alone: from", "to", "together: from", "to",
@@ -209,7 +204,6 @@ def residuals_table(fits: Sequence[Fit]) -> Table:
 def directions_table(one: Fit) -> Table:
     """Return the products of powers, and how well each is known."""
     always = ", whatever the table; they tell neither scale nor E and rho raised alike"
-    always = always if one.problem.named else ""
     rows = tuple(
         (str(d), cell(100 * d.deviation, none="infinite") if not 10 <= d.deviation < np.inf
          else "over 1000", _verdict(d.deviation))
@@ -218,7 +212,7 @@ def directions_table(one: Fit) -> Table:
     notes = (
         f"{one.problem.label}; singular vectors of d ln f / d ln p at the fit, powers below 0.1 "
         "left out; theta and phi: tilt and azimuth themselves",
-        "infinite: frequencies do not change at all along these" + always,
+        f"infinite: frequencies do not change at all along these{always if one.named else ''}",
     )
     columns = ("Product of powers", "1 sigma [%]", "The table")
     return Table("What the table pins down, and what not", columns, rows, notes)
@@ -227,10 +221,9 @@ def directions_table(one: Fit) -> Table:
 def quantities_table(one: Fit) -> Table:
     """Return the named combinations, and how well each is known."""
     rows = tuple(
-        (q.name, Number(q.value, 4), Number(100 * q.before, 1), Number(100 * q.after, 1),
-         _verdict(q.after))
-        for q in one.quantities
-    )  # fmt: skip
+        (name, Number(value, 4), Number(100 * before, 1), Number(100 * after, 1), _verdict(after))
+        for name, value, before, after in one.quantities
+    )
     notes = (
         f"{one.problem.label}; E and rho as given, all else free within its bounds",
         "L: a limb without tilt; m, Jz: the platform's mass and polar moment of inertia",
@@ -246,70 +239,63 @@ def _verdict(deviation: float) -> str:
 def _pinned(one: Fit) -> list[str]:
     """Return d / L^2 with its interval, beside what the given parameters make it."""
     (found,) = (q for q in one.quantities if q.name == PINNED)
-    known = one.assumed is not None
-    width = (stats.norm if known else stats.t(one.freedom)).ppf((1 + LEVEL) / 2)
-    low, high = found.value * np.exp(np.array([-1, 1]) * width * found.after)
-    stated = (one.problem.groups(base)[PINNED].item() for base in one.problem.base)
+    likely = stats.t(one.freedom) if one.assumed is None else stats.norm
+    spread = np.exp(likely.ppf((1 + LEVEL) / 2) * found.after)
+    stated = (one.problem.groups(base)[PINNED].item() for base in one.problem.at({}))
     given = " and ".join(dict.fromkeys(f"{value:.4f}" for value in stated))
     return [
-        f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m ({low:.4f} to "
-        f"{high:.4f} at {100 * LEVEL:.0f} %, E and rho as given); the given parameters make it "
-        f"{given} 1/m."
+        f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m "
+        f"({found.value / spread:.4f} to {found.value * spread:.4f} at {PERCENT}, E and rho as "
+        f"given); the given parameters make it {given} 1/m."
     ]
 
 
 def _known(one: Fit) -> list[str]:
     """Return every parameter with its interval, and what is left open."""
-    found, ends = one.problem, one.alone
     words = [
-        f"{name} is {_number(value)} ({_number(ends[k, 0])} to {_number(ends[k, 1])} at "
-        f"{100 * LEVEL:.0f} %; {_number(found.given[k])} given)"
-        for k, (name, value) in enumerate(one.fitted.items())
-        if not one.open[k].all()
+        f"{name} is {_number(value)} ({_number(alone[0])} to {_number(alone[1])} at {PERCENT}; "
+        f"{_number(given)} given)"
+        for name, value, given, alone, _, opened in one.intervals()
+        if not all(opened)
     ]
-    lines = [f"By {found.table.source}, {', '.join(words)}."] if words else []
-    loose = [str(d) for d in one.left if d.deviation >= LOOSE]
+    lines = [f"By {one.problem.table.source}, {', '.join(words)}."] if words else []
     return lines + [
         f"The table leaves {direction} open: along it the fitted frequencies change too little."
-        for direction in loose
+        for direction in one.left
+        if direction.deviation >= LOOSE
     ]
 
 
 def _one_free(ranked: Sequence[Reading]) -> list[str]:
     """Return the best reading with one free parameter, and that with the other frames."""
-    best: dict[bool, Reading] = {}
-    for reading in sorted(ranked, key=lambda reading: reading.rms):
-        if len(reading.x) == 1:
-            best.setdefault(reading.problem.mirrored, reading)
+    found = sorted((r for _, r in best(ranked, 1) if len(r.x) == 1), key=lambda r: r.rms)
     words = [
         f"{r.problem.label}, {r} (rms {100 * r.rms:.2f} %, at most {r.worst:.2f} % off)"
-        for r in best.values()
+        for r in found
     ]
     if len(words) == 2:
-        words[1] = f"with frames {'mirrored' if list(best)[1] else 'as stated'} it is {words[1]}"
+        frames = "mirrored" if found[1].problem.mirrored else "as stated"
+        words[1] = f"with frames {frames} it is {words[1]}"
     return [f"The best reading with one free parameter is {'; '.join(words)}."] if words else []
 
 
 def _lean(stated: Fit, mirrored: Fit) -> list[str]:
     """Return what both frames make of the base's radius, and whether the table prefers one."""
-    problem, table = stated.problem, stated.problem.table
+    problem, table, both = stated.problem, stated.problem.table, (stated, mirrored)
     k = problem.names.index(BASE)
-    words = [
-        f"{one.fitted[BASE]:.0f} mm ({one.alone[k, 0]:.0f} to {one.alone[k, 1]:.0f})"
-        for one in (stated, mirrored)
-    ]
-    radius = problem.base[0][PLATFORM]
-    lean = "outwards" if stated.fitted[BASE] < radius else "inwards"
+    words = [f"{one.values[k]:.0f} mm ({one.alone[k, 0]:.0f} to {one.alone[k, 1]:.0f})"
+             for one in both]  # fmt: skip
+    radius = problem.known[0][PLATFORM].value
+    lean = "outwards" if stated.values[k] < radius else "inwards"
     # A fit below the rounding is as good as any other there.
-    least = max(table.rounding, 1e-150)
-    rms = [max(one.rms, least) for one in (stated, mirrored)]
-    better = 2 * float(table.weights.sum()) * np.log(rms[0] / rms[1])
+    rms = [max(one.rms, table.rounding, 1e-150) for one in both]
+    better = 2 * table.count * np.log(rms[0] / rms[1])
     verdict = "The table does not tell the two apart"
     if abs(better) > ALIKE:
         verdict = f"The table prefers {'mirrored' if better > 0 else 'stated'} frames"
     return [
         f"Fitted to {table.source}: with frames as stated, the base's radius is {words[0]} at "
-        f"{100 * LEVEL:.0f} %, where {problem.given[k]:.0f} mm is given and the platform has "
+        f"{PERCENT}, where {problem.given[k]:.0f} mm is given and the platform has "
         f"{radius:.0f} mm: limbs that lean {lean}; with mirrored frames, a slip and no mechanism, "
         f"it is {words[1]}. {verdict} (rms {100 * rms[0]:.2f} and {100 * rms[1]:.2f} %)."
     ]
@@ -323,17 +309,16 @@ def solved(fits: Sequence[Fit], ranked: Sequence[Reading], bench: Bench) -> list
     another seed finds others (5e-6 measured): another machine's last bits then hardly ever make of
     the same fit another mechanism with a hash of its own.
     """
-    best = [some[0] for count, _, some in grouped(ranked) if count]
     found: dict[tuple[object, ...], Reading] = {}
-    for one in (*fits, *best):
-        if not one.problem.mirrored:
+    for one in (*fits, *(reading for _, reading in best(ranked, 1))):
+        if one.fitted and not one.problem.mirrored:
             found.setdefault((one.problem.model, one.problem.names, one.problem.inertia), one)
     rows = []
-    for problem, fitted in ((one.problem, one.fitted) for one in found.values()):
-        values = {name: float(f"{value:.6g}") for name, value in fitted.items()}
-        table, model, count = problem.table, problem.model, problem.table.frequencies.shape[1]
+    for one in found.values():
+        problem, table, model = one.problem, one.problem.table, one.problem.model
+        values = {name: float(f"{value:.6g}") for name, value in one.fitted.items()}
+        count, form = table.frequencies.shape[1], problem.form if problem.regular else None
         for case, own in zip(table.cases, problem.at(values), strict=True):
-            form = INERTIAS[problem.inertia] if problem.regular else None
             mechanism, pose = described(case, own, form)
             how = settings(model, count + SPARE, table=table.source, case=case.name, fitted=values)
             modes = bench.solve(model, mechanism, pose, count + SPARE)

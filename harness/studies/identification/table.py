@@ -49,6 +49,11 @@ class FrequencyTable:
         return np.asarray((1 / sizes).ravel())
 
     @property
+    def count(self) -> int:
+        """How many different values there are."""
+        return round(float(self.weights.sum()))
+
+    @property
     def rounding(self) -> float:
         """The relative standard deviation that rounding alone gives a value."""
         return float(np.sqrt(np.mean((self.step / self.frequencies) ** 2) / 12))

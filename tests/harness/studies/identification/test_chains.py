@@ -13,10 +13,8 @@ from analytic.description import numbers
 from harness.case import Case
 from harness.case_file import load_cases
 from harness.paper import SHIPPED
-from harness.studies.identification.directions import sensitivities
-from harness.studies.identification.estimate import Fit, fit
-from harness.studies.identification.parameters import described, parameters
-from harness.studies.identification.problem import FAR, Problem
+from harness.studies.identification.estimate import Fit, fit, sensitivities
+from harness.studies.identification.problem import FAR, Problem, described, parameters
 from harness.studies.identification.result import Identification
 from harness.studies.identification.table import FrequencyTable
 from reference_models import Named

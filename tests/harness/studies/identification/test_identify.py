@@ -20,8 +20,13 @@ from analytic import (
 from harness.bench import Bench
 from harness.cases import PRESETS
 from harness.rows import mechanism_hash
-from harness.studies.identification.directions import directions, sensitivities
-from harness.studies.identification.estimate import fit, identify, readings
+from harness.studies.identification.estimate import (
+    directions,
+    fit,
+    identify,
+    readings,
+    sensitivities,
+)
 from harness.studies.identification.fit import profile_ends, rise
 from harness.studies.identification.problem import Problem
 from harness.studies.identification.result import Identification, simplest, solved

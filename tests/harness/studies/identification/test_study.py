@@ -17,8 +17,7 @@ from harness.cases import PRESETS
 from harness.studies import identification
 from harness.studies.identification.estimate import identify
 from harness.studies.identification.fit import minimise
-from harness.studies.identification.parameters import INERTIAS, described, parameters
-from harness.studies.identification.problem import Problem
+from harness.studies.identification.problem import INERTIAS, Problem, described, parameters
 from harness.studies.identification.result import Identification
 from harness.studies.identification.table import FrequencyTable, published_table, read_table
 from harness.text import plan, request
