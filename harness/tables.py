@@ -214,14 +214,11 @@ class Table:
         for k, width in widths.items():
             numeric = self._numeric[k]
             table.add_column(Text(self.columns[k]), justify="right" if numeric else "left",
-                             no_wrap=numeric, overflow="fold", min_width=width,
-                             max_width=width)  # fmt: skip
+                             no_wrap=numeric, overflow="fold", width=width)  # fmt: skip
         first = [str(row[0]) for row in self.rows]
         grouped = len(set(first)) < len(first)
-        for row, name, before in zip(self._text, first, [*first[:1], *first], strict=False):
-            if grouped and name != before:
-                table.add_section()
-            table.add_row(*(Text(row[k]) for k in widths))
+        for row, name, after in zip(self._text, first, [*first[1:], ""], strict=True):
+            table.add_row(*(Text(row[k]) for k in widths), end_section=grouped and name != after)
         return table
 
 

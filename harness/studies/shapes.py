@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analytic import Modes
 from analytic.pairing import mass_vectors, repeated
 from harness.bench import Bench, Study
 from harness.case import Case
@@ -22,15 +21,11 @@ from harness.tables import Table
 from reference_models import Named
 
 OUTPUT = "shapes"
-MARKS: dict[str, dict[str, Any]] = {
-    "R": {"marker": "o", "ms": 4.0, "mfc": "w"},
-    "U": {"marker": "P", "ms": 4.5, "mfc": "w"},
-    "S": {"marker": "o", "ms": 4.0, "mfc": "k"},
-    "P": {"marker": "s", "ms": 5.0, "mfc": COLOURS[2]},
-    "fixed": {"marker": "d", "ms": 4.0, "mfc": "0.5"},
-    "body": {"marker": "h", "ms": 5.5, "mfc": COLOURS[4]},
-}
-"""How joints and bodies are marked."""
+MARKS = {
+    "R": ("o", 4.0, "w"), "U": ("P", 4.5, "w"), "S": ("o", 4.0, "k"), "P": ("s", 5.0, COLOURS[2]),
+    "fixed": ("d", 4.0, "0.5"), "body": ("h", 5.5, COLOURS[4]),
+}  # fmt: skip
+"""How joints and bodies are marked: form, size and colour."""
 SPACE = {"projection": "3d", "proj_type": "ortho", "azim": -60, "elev": 18}
 """From where a mechanism is looked at."""
 LETTERS = 13
@@ -137,10 +132,9 @@ def aligned(study: Study, case: Case, theory: Named, reference: Named) -> Turned
     """
     from scipy.linalg import orthogonal_procrustes
 
-    ours, theirs = study.first(case, theory), study.get(case, reference)
-    pairing = study.pairing(case, theory, reference)
-    if ours is None or theirs is None or pairing is None:
+    if (pairing := study.pairing(case, theory, reference)) is None:
         return None
+    ours, theirs = study.answers[case, theory].first(study.count), study.answers[case, reference]
     place = pairing.partner
     a, b = (mass_vectors(modes, case.mechanism, case.pose) for modes in (ours, theirs))
     b, platform, limbs = b[place], theirs.platform[place], theirs.limbs[place]
@@ -162,16 +156,19 @@ def shapes_figure(result: Shapes, case: Case) -> Figure:
     title = fill(said, int(LETTERS * 2.1 * len(shown)))
     size = len(models), len(shown)
     figure, grid = panels(title, *size, (2.1, 2.4), subplot_kw=SPACE)
-    for k, (model, strip) in enumerate(zip(models, grid, strict=True)):
-        modes: Modes | Turned | None = result.study.get(case, model)
-        if k:
-            modes = aligned(result.study, case, result.theory, model)
+    outline = [*there.limbs(), there.disc(np.zeros(6))]
+    for model, strip in zip(models, grid, strict=True):
+        modes = aligned(result.study, case, result.theory, model)
         for i, axes in zip(shown, strip, strict=True):
             if modes is None:
                 axes.set_axis_off()
                 axes.set_title("failed", fontsize=9)
                 continue
-            draw_mode(axes, there, modes, i - 1)
+            platform, limbs = modes.platform[i - 1], modes.limbs[i - 1]
+            for line in outline:
+                axes.plot(*line.T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=103)
+            enlarged = float(scale(there, limbs))
+            draw(axes, there, enlarged * platform, enlarged * limbs)
             letter = f"({chr(96 + i)}) " if i <= 26 else ""
             axes.set_title(f"{letter}$f_{{{i}}}$ = {modes.frequencies[i - 1]:.2f} Hz", fontsize=10)
         strip[0].text2D(-0.1, 0.5, model.label, fontsize=9, rotation=90, va="center",
@@ -189,14 +186,6 @@ def rest_figure(case: Case) -> Figure:
     if there.plain:
         draw_marks(axes, there, 0.0, np.zeros(6))
     return figure
-
-
-def draw_mode(axes: Any, there: Drawn, modes: Modes | Turned, i: int) -> None:
-    """Draw mode `i` over the outline of the mechanism at rest."""
-    enlarged = float(scale(there, modes.limbs[i]))
-    for line in (*there.limbs(), there.disc(np.zeros(6))):
-        axes.plot(*line.T, color="0.45", lw=0.9, ls=(0, (3, 2)), zorder=103)
-    draw(axes, there, enlarged * modes.platform[i], enlarged * modes.limbs[i])
 
 
 def draw(axes: Any, there: Drawn, platform: Array, limbs: Array | float) -> None:
@@ -220,8 +209,9 @@ def draw_marks(axes: Any, there: Drawn, limbs: Array | float, platform: Array) -
     for rail in zip(there.bases, there.starts, strict=True):
         axes.plot(*np.transpose(rail), color="0.6", lw=1.4, zorder=1)
     for one, point in zip(there.marks, there.marked(there.limbs(limbs)), strict=True):
-        mark = MARKS.get(one.kind, MARKS["fixed"])
-        axes.plot(*point[:, None], **mark, ls="", mec="k", mew=0.5, zorder=104)
+        form, size, colour = MARKS.get(one.kind, MARKS["fixed"])
+        axes.plot(*point[:, None], marker=form, ms=size, mfc=colour, ls="", mec="k", mew=0.5,
+                  zorder=104)  # fmt: skip
     moved = there.mass + platform[:3] + np.cross(platform[3:], there.mass - there.centre)
     axes.plot(*moved[:, None], marker="X", ms=4.5, mfc="k", mec="w", mew=0.4, ls="", zorder=105)
 

@@ -102,11 +102,12 @@ class Stiffnesses(Result):
         heads = ("Case", "Part", "Limbs", *LOADS, "softest force", "softest moment")
         title = "Who gives way: share of the compliance [%]"
         tables["-parts"] = Table(title, heads, rows, ["every column of a case sums to 100"])
-        rows = [
-            (case.name, load, *(f"{value:.5g}" for value in row))
-            for case, found in self.found.items()
-            for load, row in zip(LOADS, _without_rounding(found.matrix).tolist(), strict=True)
-        ]
+        rows = []
+        for case, found in self.found.items():
+            size = np.sqrt(np.diag(found.matrix))
+            rounding = np.abs(found.matrix) < ROUNDING * np.outer(size, size)
+            for load, row in zip(LOADS, np.where(rounding, 0.0, found.matrix), strict=True):
+                rows.append((case.name, load, *(f"{value:.5g}" for value in row)))
         heads = ("Case", "", "x", "y", "z", "about x", "about y", "about z")
         about = "force [N] and moment [N m] at o for a unit displacement [m] and rotation [rad]"
         tables["-matrix"] = Table("Stiffness at the platform, global axes", heads, rows, [about])
@@ -244,18 +245,14 @@ def run(request: Request, bench: Bench) -> Stiffnesses:
     if text is not None:
         from harness.sweep.pose_sets import pose_set
 
-        for case in {case.mechanism: case for case in request.cases[::-1]}.values():
+        first = {case.mechanism: case for case in request.cases[::-1]}
+        for case in reversed(first.values()):
             poses = pose_set(text, case.mechanism)
             if len(poses) > MOST_POSES:
                 raise InputError("poses", text, f"at most {MOST_POSES} poses")
             maps.append(mapped(case, poses, shear, bench))
     if names is not None:
-        for case in request.cases[::-1]:
+        for case in request.cases:
             plane = Plane.of(case, names, Limits(), *MANY)
             maps.append(mapped(case, plane.poses[plane.wanted], shear, bench, plane))
-    return Stiffnesses(found, tuple(maps[::-1]))
-
-
-def _without_rounding(matrix: Array) -> Array:
-    diagonal = np.sqrt(np.diag(matrix))
-    return np.where(np.abs(matrix) < ROUNDING * np.outer(diagonal, diagonal), 0.0, matrix)
+    return Stiffnesses(found, tuple(maps))
