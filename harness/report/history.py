@@ -25,8 +25,6 @@ CARDS = 24
 """Series that moved shown at once, the newest."""
 CARD = (150.0, 44.0)
 """Width and height of a card's picture."""
-Given = dict[int, dict[int, float]]
-"""Frequencies [Hz] by mode and the run's place."""
 
 
 def section(recorded: Recorded) -> Section:
@@ -40,19 +38,17 @@ def section(recorded: Recorded) -> Section:
     place = {row["run"]: k for k, row in enumerate(runs)}
     groups: dict[tuple[str, str, str], Rows] = defaultdict(list)
     for row, apart in zip(points, _told_apart(points), strict=True):
-        groups[row["case"], row["model"], apart].append(row)
-    newest = sorted(groups, key=lambda key: (place[groups[key][-1]["run"]], key), reverse=True)
+        groups[row["case"], row["model"], apart].append({**row, "place": place[row["run"]]})
+    newest = sorted(groups, key=lambda key: (groups[key][-1]["place"], key), reverse=True)
     series: list[Json] = []
     cards: list[Json] = []
     for key in sorted(newest[:MOST_SERIES]):
-        given: Given = defaultdict(dict)
-        for row in groups[key]:
-            found = given[row["mode"]]
-            if row["frequency_hz"] is not None:
-                found.setdefault(place[row["run"]], row["frequency_hz"])
         about = dict(zip(("case", "model", "variant"), key, strict=True))
-        cards += _cards({"series": len(series), **about}, given, runs)
-        series.append({**about, **_series(groups[key], given, place)})
+        found, moved = _series(groups[key])
+        if moved:
+            when = f"{runs[moved['place']]['time']:%Y-%m-%d %H:%M}"
+            cards.append({"series": len(series), **about, **moved, "when": when})
+        series.append({**about, **found})
     seconds = {row["run"]: row["solve_s"] for row in recorded.points if row["model"] == YARDSTICK}
     data = {
         "runs": {
@@ -63,22 +59,10 @@ def section(recorded: Recorded) -> Section:
         "series": series,
         "yardstick": _milliseconds([seconds.get(row["run"]) for row in runs]),
     }
-    commands = {row["run"]: row["command"] for row in recorded.runs}
     context = {
-        "cards": sorted(cards, key=lambda card: -card["place"])[:CARDS],
-        "moved": len(cards),
-        "card": list(CARD),
-        "all_series": len(groups),
-        "older": recorded.older,
-        "runs": len(recorded.runs),
-        "latest": [
-            {**row, "time": f"{row['time']:%Y-%m-%d %H:%M}", "commit": row["commit"][:10]}
-            for row in recorded.runs[::-1][:NEWEST]
-        ],
-        "sweeps": [{**row, "command": commands[row["run"]]} for row in recorded.sweeps[:NEWEST]],
-        "all_sweeps": len(recorded.sweeps),
-        "skipped": [list(one) for one in recorded.skipped],
-    }
+        "cards": sorted(cards, key=lambda card: -card["place"])[:CARDS], "moved": len(cards),
+        "card": CARD, "all_series": len(groups), "recorded": recorded, "newest": NEWEST,
+    }  # fmt: skip
     return Section(context, data if series else None)
 
 
@@ -108,13 +92,20 @@ def _told_apart(points: Rows) -> list[str]:
     return [words[key] for key in keys]
 
 
-def _series(rows: Rows, given: Given, place: dict[str, int]) -> Json:
-    """Return what one model gave and took at one case in each run that had it."""
+def _series(rows: Rows) -> tuple[Json, Json]:
+    """Return what one model gave and took at one case in each run that had it.
+
+    And if a frequency moved: at which run last, which most, by how much, a small picture.
+    """
     once: dict[int, dict[str, Any]] = {}
+    given: dict[int, dict[int, float]] = defaultdict(dict)
     for row in rows:
-        once.setdefault(place[row["run"]], row)
+        once.setdefault(row["place"], row)
+        found = given[row["mode"]]
+        if row["frequency_hz"] is not None:
+            found.setdefault(row["place"], row["frequency_hz"])
     firsts = list(once.values())
-    return {
+    series = {
         "mechanism": firsts[0]["mechanism"],
         "pose": [firsts[0][name] for name in COLUMNS],
         "at": changes([place - k for k, place in enumerate(once)]),
@@ -127,23 +118,14 @@ def _series(rows: Rows, given: Given, place: dict[str, int]) -> Json:
         "settings": changes([in_words(row["settings"]) for row in firsts]),
         **{name: changes([row[name] for row in firsts]) for name in ("version", "theory")},
     }
-
-
-def _cards(about: Json, given: Given, runs: Rows) -> list[Json]:
-    """Return a card if a frequency moved: when last, which most, by how much, a small picture."""
     moves = {mode: _last_move(found) for mode, found in given.items()}
     mode = max(moves, key=lambda mode: (moves[mode][0], abs(moves[mode][1])))
     place, size = moves[mode]
     if place < 0:
-        return []
-    return [{
-        **about,
-        "place": place,
-        "mode": mode,
-        "change": f"{1e6 * size:+.3g} ppm" if abs(size) < 1e-4 else f"{100 * size:+.3g} %",
-        "when": f"{runs[place]['time']:%Y-%m-%d %H:%M}",
-        "points": _spark(list(given[mode].values())),
-    }]  # fmt: skip
+        return series, {}
+    change = f"{1e6 * size:+.3g} ppm" if abs(size) < 1e-4 else f"{100 * size:+.3g} %"
+    points = _spark(list(given[mode].values()))
+    return series, {"place": place, "mode": mode, "change": change, "points": points}
 
 
 def _last_move(found: dict[int, float]) -> tuple[int, float]:

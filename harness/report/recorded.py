@@ -84,9 +84,10 @@ def read_recorded(folder: Path | None, room: int = MOST_NUMBERS) -> Recorded:
         ORDER BY "case", run DESC, model, settings, mechanism"""
     ).rows()
     sweeps = store.query(
-        f"""SELECT run, string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
+        f"""SELECT run, coalesce(min(command), 'not known') AS command,
+        string_agg(DISTINCT model, ', ' ORDER BY model) AS models,
         max(poses) AS poses, sum(poses)::BIGINT AS "rows"
-        FROM (SELECT run, model, mode, count(*) AS poses
+        FROM (SELECT run, model, mode, min(command) AS command, count(*) AS poses
             FROM rows WHERE "case" = '{SWEEP}' GROUP BY run, model, mode)
         GROUP BY run ORDER BY run DESC"""
     ).rows()
