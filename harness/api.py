@@ -55,16 +55,14 @@ def _with(asked: Request, objects: Mapping[str, Any]) -> Request:
     changes: dict[str, Any] = {}
     options = dict(asked.options)
     for argument, value in objects.items():
-        if argument == "model":
-            changes["theory"] = value
-        elif argument in FIELDS:
-            many = isinstance(value, (list, tuple, range))
-            changes[FIELDS[argument]] = tuple(value) if many else (value,)
-        else:
+        if argument not in FIELDS:
             options[argument] = value
-    given = {name: changes.get(FIELDS[name], ()) for name in ("cases", "references")}
+        elif argument == "model" or not isinstance(value, (list, tuple, range)):
+            changes[FIELDS[argument]] = value if argument == "model" else (value,)
+        else:
+            changes[FIELDS[argument]] = tuple(value)
     theory = (changes["theory"],) if "theory" in changes else ()
-    refuse_others(given["cases"], (*given["references"], *theory))
+    refuse_others(changes.get("cases", ()), (*changes.get("references", ()), *theory))
     if "cases" in objects and "model" not in objects:
         changes["theory"] = changes["cases"][0].theory
     return asked.with_(**changes, options=options)

@@ -52,7 +52,7 @@ from analytic.errors import count, number, vector
 from analytic.mechanism import LARGEST, MOST_LIMBS, has_poisson, shear_range
 from harness.case import Case
 from harness.paper import CASES, CHECKED, case_file, folder, names, read_paper
-from harness.poses import LENGTHS, NAMES, stated, turn
+from harness.poses import LENGTHS, NAMES, stated
 from harness.toml_table import Given, Three, read_toml
 from reference_models import parse
 
@@ -353,11 +353,11 @@ def _rotation(of: Given) -> Any:
     """Return a rotation matrix from an axis and an angle, or from yaw, pitch and roll [deg]."""
     if "rotation" not in of:
         return None
+    from scipy.spatial.transform import Rotation  # rarely needed, and slow to load
+
     given = Given(of.at("rotation"), of.get("rotation"), ("axis", "angle_deg", *TURNS))
     if "axis" not in given:
-        yaw, pitch, roll = map(turn, (2, 1, 0), map(given.number, TURNS))
-        return yaw @ pitch @ roll
-    n = np.array(given.vector("axis", "three numbers"))
-    n, angle = n / np.linalg.norm(n), given.number("angle_deg")
-    cross = np.array([[0, -n[2], n[1]], [n[2], 0, -n[0]], [-n[1], n[0], 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
+        return Rotation.from_euler("ZYX", [*map(given.number, TURNS)]).as_matrix()
+    axis = np.array(given.vector("axis", "three numbers"))
+    turn = given.number("angle_deg") * axis / np.linalg.norm(axis)
+    return Rotation.from_rotvec(turn).as_matrix()

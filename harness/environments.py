@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from harness.bench import SPARE, ModesTask, label
 from harness.case import Case
 from harness.listener import Listener
 from harness.plugins import Question
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Row, Table
 from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse
 
@@ -63,40 +64,39 @@ def compare(
     """
     tell = listener or Listener()
     tell.expect(2 * len(models))
-    first, second = (_solve(one, cases, models, count, limit, tell) for one in (before, after))
-    rows: list[tuple[Cell, ...]] = []
-    theories, missing = [], []
-    for model in models:
-        for case in cases:
-            was, now = first[case, model], second[case, model]
-            if isinstance(was, Modes) and isinstance(now, Modes):
-                rows += _rows(model, case, was, now)
-                if was.theory != now.theory:
-                    theories.append(
-                        f"{label(model)}: its theory is {was.theory} with {before} and "
-                        f"{now.theory} with {after}, so its differences are of the model, not of "
-                        "one version's numerics"
-                    )
-                continue
-            for one, other, here, there in ((before, after, was, now), (after, before, now, was)):
-                if isinstance(here, Failure):
-                    runs = "neither" if isinstance(there, Failure) else f"{other} only"
-                    missing.append(f"{label(model)} runs with {runs}: {one}: {here.reason}")
-    columns = ("Model", "Case", "Mode", f"{before} [Hz]", f"{after} [Hz]", "Difference [%]",
-               "Own uncertainty [%]")  # fmt: skip
-    versions = [
+    both = {one: _solve(one, cases, models, count, limit, tell) for one in (before, after)}
+    rows: list[Row] = []
+    notes = [
         f"{one}: {', '.join(sorted(ran)) or 'nothing ran'}"
-        for one, found in ((before, first), (after, second))
+        for one, found in both.items()
         for ran in [{m.version for m in found.values() if isinstance(m, Modes)}]
     ]
+    missing = []
+    for model, case in product(models, cases):
+        was, now = (found[case, model] for found in both.values())
+        if isinstance(was, Modes) and isinstance(now, Modes):
+            rows += _rows(model, case, was, now)
+            if was.theory != now.theory:
+                notes.append(
+                    f"{label(model)}: its theory is {was.theory} with {before} and {now.theory} "
+                    f"with {after}, so its differences are of the model, not of one version's "
+                    "numerics"
+                )
+            continue
+        for one, other, here, there in ((before, after, was, now), (after, before, now, was)):
+            if isinstance(here, Failure):
+                runs = "neither" if isinstance(there, Failure) else f"{other} only"
+                missing.append(f"{label(model)} runs with {runs}: {one}: {here.reason}")
+    columns = ("Model", "Case", "Mode", f"{before} [Hz]", f"{after} [Hz]", "Difference [%]",
+               "Own uncertainty [%]")  # fmt: skip
     last = (
         "modes are paired by order; own uncertainty is the simulator's estimate, the larger of two"
     )
-    notes = dict.fromkeys([*versions, *theories, *missing, last])
-    return Table(f"{before} against {after}", columns, tuple(rows), tuple(notes))
+    notes = list(dict.fromkeys([*notes, *missing, last]))
+    return Table(f"{before} against {after}", columns, rows, notes)
 
 
-def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[tuple[Cell, ...]]:
+def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[Row]:
     """Yield a row a mode."""
     known = [m.uncertainty for m in (was, now) if m.uncertainty is not None]
     own = np.max(known, axis=0) if known else None
@@ -109,13 +109,9 @@ def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[tuple[Ce
 
 
 def _solve(
-    requirement: str,
-    cases: Sequence[Case],
-    models: Sequence[Named],
-    count: int,
-    limit: float,
+    requirement: str, cases: Sequence[Case], models: Sequence[Named], count: int, limit: float,
     tell: Listener,
-) -> Answers:
+) -> Answers:  # fmt: skip
     found: Answers = {}
     with closing(Children(_launcher(requirement))) as children:
         for model in models:
@@ -128,8 +124,8 @@ def _solve(
                     answer = children.attempt(task, limit)
                 if not isinstance(answer, Failure):
                     try:
-                        modes = checked(answer, info, case.mechanism, case.pose, task.count)
-                        answer = modes.first(count)
+                        answer = checked(answer, info, case.mechanism, case.pose, task.count)
+                        answer = answer.first(count)
                     except ModelError as error:
                         answer = Failure(str(error))
                 found[case, model] = answer

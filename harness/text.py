@@ -44,13 +44,11 @@ def request(study: ModuleType | None, texts: Mapping[str, str | None]) -> Reques
     default = DEFAULTS | own
     shear = shear_coefficient(given.get("shear"))
     cases = chosen(given.get("cases"), given.get("case_file"), default.get("cases", PAPER_CASES))
-    model = given.get("model") or default.get("model")
-    theory = parse(model, "model", **shear) if model else cases[0].theory.given(**shear)
-    elements = given.get("elements") or default.get("elements")
-    printed = sorted({one.mode for case in cases for one in case.printed})
-    paper = ",".join(map(str, printed))
-    modes = given.get("modes") or own.get("modes") or paper or default["modes"]
+    model, elements = (given.get(name) or default.get(name) for name in ("model", "elements"))
     named = given.get("references", default["references"])
+    theory = parse(model, "model", **shear) if model else cases[0].theory.given(**shear)
+    paper = ",".join(map(str, sorted({one.mode for case in cases for one in case.printed})))
+    modes = given.get("modes") or own.get("modes") or paper or default["modes"]
     return Request(
         tuple(cases),
         theory,
@@ -106,25 +104,17 @@ def absent(text: str) -> dict[str, str]:
 
 def _group(text: str) -> list[tuple[str, Info]]:
     some = GROUPS[text]
-    return [
-        (name, info)
-        for name, info in catalogue()
-        if (info.isolated if some is None else name in some)
-    ]
+    return [one for one in catalogue() if (one[1].isolated if some is None else one[0] in some)]
 
 
 def numbers(argument: str, text: str, most: int) -> list[int]:
     """Return "1,2,5-8" as whole numbers from 1 to `most`, ascending, without repeats."""
-    expected = f"whole numbers from 1 to {most}, such as 1,2,5-8"
     found: set[int] = set()
     for part in text.split(","):
-        low, dash, high = part.strip().partition("-")
-        good = low.isascii() and low.isdecimal() and len(low) < 10
-        if not good or (dash and not (high.isascii() and high.isdecimal() and len(high) < 10)):
-            raise InputError(argument, text, expected)
-        first, last = int(low), int(high or low)
+        read = re.fullmatch("([0-9]{1,9})(?:-([0-9]{1,9}))?", part.strip())
+        first, last = (int(end) for end in (read[1], read[2] or read[1])) if read else (0, 0)
         if not 1 <= first <= last <= most:
-            raise InputError(argument, text, expected)
+            raise InputError(argument, text, f"whole numbers from 1 to {most}, such as 1,2,5-8")
         found.update(range(first, last + 1))
     return sorted(found)
 
