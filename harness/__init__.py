@@ -3,6 +3,7 @@
 `study("table", cases="case1")` is a study from Python or a notebook; `run` solves without one.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,12 +15,6 @@ __all__ = ["run", "study"]
 
 def __getattr__(name: str) -> Any:
     """Load what is asked for only now: the command line starts without it."""
-    if name == "study":
-        from harness.api import study
-
-        return study
-    if name == "run":
-        from harness.bench import run
-
-        return run
+    if name in __all__:
+        return getattr(import_module(f"harness.{'api' if name == 'study' else 'bench'}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -22,6 +22,8 @@ from harness.tables import Number, Row, Table
 from harness.workers import LIMIT, Children, Failure
 from reference_models import ModelError, Named, UnavailableError, catalogue, parse
 
+COUNT = 6
+"""Modes that are compared."""
 EXAMPLE = "as in mujoco==3.17.0,mujoco==4.0.0"
 Answers = dict[tuple[Case, Named], Modes | Failure]
 
@@ -52,7 +54,6 @@ def compare(
     after: str,
     cases: Sequence[Case],
     models: Sequence[Named],
-    count: int = 6,
     *,
     limit: float = LIMIT,
     listener: Listener | None = None,
@@ -64,7 +65,7 @@ def compare(
     """
     tell = listener or Listener()
     tell.expect(2 * len(models))
-    both = {one: _solve(one, cases, models, count, limit, tell) for one in (before, after)}
+    both = {one: _solve(one, cases, models, limit, tell) for one in (before, after)}
     rows: list[Row] = []
     notes = [
         f"{one}: {', '.join(sorted(ran)) or 'nothing ran'}"
@@ -109,7 +110,7 @@ def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[Row]:
 
 
 def _solve(
-    requirement: str, cases: Sequence[Case], models: Sequence[Named], count: int, limit: float,
+    requirement: str, cases: Sequence[Case], models: Sequence[Named], limit: float,
     tell: Listener,
 ) -> Answers:  # fmt: skip
     found: Answers = {}
@@ -118,14 +119,14 @@ def _solve(
             # What it is where it runs: another version may have another theory.
             info: Any = children.attempt(Question(model, Named.info), limit)
             for case in cases:
-                task = ModesTask(model, case.mechanism, case.pose, count + SPARE)
+                task = ModesTask(model, case.mechanism, case.pose, COUNT + SPARE)
                 answer: Any = info
                 if not isinstance(info, Failure):
                     answer = children.attempt(task, limit)
                 if not isinstance(answer, Failure):
                     try:
                         answer = checked(answer, info, case.mechanism, case.pose, task.count)
-                        answer = answer.first(count)
+                        answer = answer.first(COUNT)
                     except ModelError as error:
                         answer = Failure(str(error))
                 found[case, model] = answer

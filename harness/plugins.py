@@ -30,33 +30,19 @@ class Question:
         return self.what(self.model)
 
 
-class Owners:
+class Owners(Children):
     """The processes of the packages on one `sys.path`, and what they have answered."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.path = tuple(sys.path)
-        self._children = Children()
-        self._imported: dict[str, str] = {}
-        self._answers: dict[Question, object] = {}
+        self._answers: dict[object, Any] = {}
 
-    def answer(self, question: Question) -> object:
-        """Return an answer, or a `Failure`; each question is asked once."""
-        if question not in self._answers:
-            module = known(question.model.name, "model").module
-            if module not in self._imported:  # once for all that is in it: it may have hung
-                said = self._ask(Question(question.model, imported))
-                died = isinstance(said, Failure)
-                self._imported[module] = f"it cannot be imported: {said.reason}" if died else said
-            why = self._imported[module]
-            self._answers[question] = Failure(why) if why else self._ask(question)
-        return self._answers[question]
-
-    def _ask(self, question: Question) -> Any:
-        return self._children.attempt(question, PATIENCE, tries=1)
-
-    def close(self) -> None:
-        """End the processes."""
-        self._children.close()
+    def once(self, key: object, question: Question) -> Any:
+        """Return an answer, or a `Failure`; each question is asked once, as its `key` tells."""
+        if key not in self._answers:
+            self._answers[key] = self.attempt(question, PATIENCE, tries=1)
+        return self._answers[key]
 
 
 _owners: Owners | None = None
@@ -72,7 +58,14 @@ def elsewhere(what: Callable[[Named], Any], named: Named) -> object:
     if _owners is None or _owners.path != tuple(sys.path):
         close()
         _owners = Owners()
-    found = _owners.answer(Question(named, what))
+    # A module is imported once for all that is in it: it may have hung.
+    lacking = _owners.once(known(named.name, "model").module, Question(named, imported))
+    if isinstance(lacking, Failure):
+        raise UnavailableError(f"it cannot be imported: {lacking.reason}")
+    if lacking:
+        raise UnavailableError(lacking)
+    question = Question(named, what)
+    found: object = _owners.once(question, question)
     if isinstance(found, Failure):
         raise UnavailableError(found.reason)
     return found

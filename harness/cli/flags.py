@@ -48,11 +48,11 @@ def option(name: str, metavar: str, text: str, **more: Any) -> Callable[..., Any
 def _completed(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
     """Return how the last of the names `typed`, separated by commas, may go on."""
     head, comma, last = typed.rpartition(",")
-    known = _known_names(parameter.name or "", context.params.get("case_file"))
+    known = known_names(parameter.name or "", context.params.get("case_file"))
     return [f"{head}{comma}{name}" for name in known if name.startswith(last)]
 
 
-def _known_names(argument: str, file: str | None) -> Iterable[str]:
+def known_names(argument: str, file: str | None) -> Iterable[str]:
     """Return the names that an argument takes: of a case file too, if it was typed before."""
     if argument in ("cases", "case"):
         from harness.case_file import load_cases

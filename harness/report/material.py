@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property
+from itertools import chain
 from typing import Any, TypeVar
 
 from analytic import Modes
@@ -71,12 +72,11 @@ class Material:
     def study(self) -> Study:
         """All that was solved at the plan's cases; of two answers of a model that of more modes."""
         found: dict[tuple[Case, Model], Modes] = {}
-        for study in (study for result in self.results for study in result.studies):
-            for (case, model), modes in study.answers.items():
-                known = found.get((case, model))
-                more = known is None or len(known.frequencies) < len(modes.frequencies)
-                if more and case in self.plan.cases:
-                    found[case, model] = modes
+        solved = (study.answers for result in self.results for study in result.studies)
+        for key, modes in chain.from_iterable(answers.items() for answers in solved):
+            fewer = key not in found or len(found[key].frequencies) < len(modes.frequencies)
+            if fewer and key[0] in self.plan.cases:
+                found[key] = modes
         return Study(self.plan.cases, (), self.plan.count, found, {})
 
     def models(self, case: Case) -> list[Model]:
@@ -102,20 +102,19 @@ class Material:
                 found.setdefault(replace(model, elements=None), {})[model.elements] = model
         least = min(FEWEST, len(self.plan.elements))
         own = replace(self.plan.theory, elements=None)
-        return {
-            ", ".join([family.name, *(f"{name} {value}" for name, value in family.settings)]): dict(
-                sorted(meshes.items())
-            )
-            for family, meshes in sorted(found.items(), key=lambda one: one[0] != own)
-            if len(meshes) >= least or family == own
+        named = {
+            ", ".join([one.name, *(f"{name} {value}" for name, value in one.settings)]): meshes
+            for one, meshes in sorted(found.items(), key=lambda item: item[0] != own)
+            if len(meshes) >= least or one == own
         }
+        return {name: dict(sorted(meshes.items())) for name, meshes in named.items()}
 
     def record(self, case: Case, model: Model | None) -> int | None:
         """Return the record of a model's answer at a case, or None where there is none."""
         modes = self.answers.get((case, model)) if model else None
         if modes is None or model is None:
             return None
-        count = min(max(self.plan.shown), len(modes.frequencies))
+        count = min(self.plan.count, len(modes.frequencies))
         rows = mode_rows(case, label(model), settings(model, count + SPARE), modes, count)
         file = "--case-file FILE " if self.plan.case_file else ""
         fields = {

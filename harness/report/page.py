@@ -141,8 +141,8 @@ def render(kept: Json, folder: Path | None, check: Json | None) -> bytes:
 
 def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
     ledger = Ledger(kept["ledger"])
-    room = MOST_NUMBERS - sum(len(one["rows"]) for one in (kept["maps"] or {"maps": []})["maps"])
-    recorded = read_recorded(folder, room)
+    own = kept["maps"]["maps"] if kept["maps"] else []
+    recorded = read_recorded(folder, MOST_NUMBERS - sum(len(one["rows"]) for one in own))
     shown = {key: Section(**one) for key, one in kept["sections"].items()}
     top = shown["result"]
     shown["result"] = replace(top, context={**top.context, "gate": first.gate(check)})
@@ -155,34 +155,35 @@ def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
 
 
 def _html(sections: Sequence[Section], ledger: Ledger) -> str:
+    loader = PackageLoader("harness.report")
     environment = Environment(
-        loader=PackageLoader("harness.report"),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
+        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True,
         undefined=StrictUndefined,
-    )
+    )  # fmt: skip
     environment.filters |= {
         "pairs": lambda names: [(name, name) for name in names],
         "numbered": lambda names: list(enumerate(names)),
         "every": lambda ones, key: dict.fromkeys(name for one in ones for name in one[key]),
     }
     known = environment.list_templates()
+
+    def source(name: str) -> str:
+        return loader.get_source(environment, name)[0].strip()
+
     parts = []
     for one in sections:
-        own = f"{one.key}.html"
-        template = environment.get_template(own if own in known else "study.html")
+        template = environment.select_template([f"{one.key}.html", "study.html"])
         body = "" if one.missing else Markup(template.render(data=one.data, **one.context))
         parts.append({"section": one, "body": body})
-    files = [f"{one.key}.js" for one in sections if not one.missing]
-    scripts = [_source(environment, name) for name in ("page.js", *files) if name in known]
+    files = ["page.js", *(f"{one.key}.js" for one in sections if not one.missing)]
+    scripts = [source(name) for name in files if name in known]
     script = "\n".join(["(async () => {", *scripts, "await library();", "watch();", "})();"])
     # Infinities and NaN are no JSON: better no page than one that does not open.
     data = json.dumps(
         {"ledger": ledger.records} | {one.key: one.data for one in sections},
         separators=(",", ":"), allow_nan=False,
     )  # fmt: skip
-    start, plotly = _source(environment, "start.js"), get_plotlyjs()
+    start, plotly = source("start.js"), get_plotlyjs()
     return environment.get_template("page.html").render(
         parts=parts,
         version=__version__,
@@ -192,11 +193,6 @@ def _html(sections: Sequence[Section], ledger: Ledger) -> str:
         data=_packed(data),
         plotly=_packed(plotly),
     )
-
-
-def _source(environment: Environment, name: str) -> str:
-    assert environment.loader is not None, "it was given above"
-    return environment.loader.get_source(environment, name)[0].strip()
 
 
 def _packed(text: str) -> str:

@@ -298,12 +298,12 @@ def shapes(run: Material) -> Section | None:
                 "models": {label(model): _moved(run, case, model) for model in models},
             }
     said = run.part("shapes").sentences()
-    context = {"modes": max(run.plan.shown), "amplitude": AMPLITUDE, "sentences": said}
+    context = {"modes": run.plan.count, "amplitude": AMPLITUDE, "sentences": said}
     return Section(context, data) if data else None
 
 
 def _moved(run: Material, case: Case, model: Model) -> Json:
-    modes = run.answers[case, model].first(max(run.plan.shown))
+    modes = run.answers[case, model].first(run.plan.count)
     enlarged = scale(drawn(case.mechanism, case.pose), modes.limbs)
     return {
         "f": digits(modes.frequencies),

@@ -109,7 +109,7 @@ def test_lists_and_names(rps_bench: Callable[..., Any], site: None) -> None:
         assert infos[act].theory == "Euler-Bernoulli" and not infos[act].missing
     answer = rps_bench("models")
     assert answer.status == 0 and "asked-crash" in answer.out and "noise" not in answer.out
-    assert {*SAYS} <= {*flags.NAMES["models"](None)}
+    assert {*SAYS} <= {*flags.known_names("models", None)}
     meant = rps_bench("table", "--references", "asked-shut")
     assert meant.status == 2 and "did you mean asked-shout?" in meant.err
 
