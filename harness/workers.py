@@ -179,7 +179,6 @@ class Child:
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         end_all_of(self._folder)
-        shutil.rmtree(self._folder, ignore_errors=True)
 
     def close(self) -> None:
         """End the process and let go of it."""
@@ -269,7 +268,6 @@ def sweep_up() -> None:
         owner = folder.name.removeprefix(PREFIX).partition("-")[0]
         if owner.isdecimal() and not _alive(int(owner)):
             end_all_of(str(folder))
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _posix() -> bool:
@@ -277,7 +275,7 @@ def _posix() -> bool:
 
 
 def end_all_of(folder: str) -> None:
-    """End the processes whose temporary folder is `folder`, whatever group they are in.
+    """End the processes whose temporary folder is `folder`, whatever group they are in; remove it.
 
     What leaves its group and outlives its parent is found by its environment, where the system
     shows that (Linux).
@@ -288,6 +286,7 @@ def end_all_of(folder: str) -> None:
             process = int(about.parent.name)
             if process != os.getpid() and mark in about.read_bytes().split(b"\0"):
                 os.kill(process, signal.SIGKILL)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _alive(process: int) -> bool:
@@ -310,7 +309,6 @@ def _end_with(parent: int) -> None:
     os.kill(os.getpid(), signal.SIGTERM)
     time.sleep(GRACE)
     end_all_of(os.environ["TMPDIR"])
-    shutil.rmtree(os.environ["TMPDIR"], ignore_errors=True)
     os.killpg(0, signal.SIGKILL)
 
 

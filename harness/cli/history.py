@@ -10,8 +10,7 @@ from analytic import InputError
 from harness.cli import flags
 
 if TYPE_CHECKING:
-    from harness.history.store import Answer
-    from harness.tables import Cell, Table
+    from harness.tables import Cell
 
 SHOWN = 200
 """Rows a terminal shows; --export has them all."""
@@ -31,6 +30,16 @@ _BRIEF = (
     'run, "case", model, settings, mode, frequency_hz, uncertainty_hz, assurance, closure_m, dofs, '
     "build_s, solve_s, version"
 )
+_LATEST = "(SELECT max_by(run, time) FROM rows)"
+_FILTERS = {
+    "run": "starts_with(run, {0})",
+    "since": "time >= {0}::TIMESTAMP",
+    "command": "split_part(command, ' ', 2) IN ({0})",
+    # A bare name is that model with any elements.
+    "model": "(model IN ({0}) OR split_part(model, '@', 1) IN ({0}))",
+    "case": '"case" IN ({0})',
+    "mode": "mode IN ({0})",
+}
 
 
 @click.command()
@@ -54,6 +63,7 @@ def history(
     from harness.cli.terminal import show_tables
     from harness.history.store import open_history
     from harness.output import check_file
+    from harness.tables import Table
 
     if history is None:
         raise InputError("history", "none", "a folder to read runs from")
@@ -63,48 +73,47 @@ def history(
         raise InputError("export", export, f"a file that ends in one of {', '.join(FORMATS)}")
     target = None if export is None else check_file(export, "export")
     where = _where(given)
+    title, most, usual = "Runs", None, _RUNS.format(where=where)
+    if sql is not None or as_rows:
+        title, most, usual = "Rows", SHOWN, f"SELECT {_BRIEF} FROM rows {where}"
+    if target is not None:  # not sorted: for that, millions of rows would all be in memory
+        usual = f"SELECT * FROM rows {where}"
     past = open_history(history)
     notes = [f"skipped {path}: {why}" for path, why in past.skipped]
+    found = past.query(usual if sql is None else sql)
     if target is not None:
-        # Not sorted: for that, millions of rows would all be in memory.
-        height = past.query(f"SELECT * FROM rows {where}" if sql is None else sql).write(target)
-        click.echo(f"wrote {target}: {height} rows")
+        click.echo(f"wrote {target}: {found.write(target)} rows")
         for note in notes:
             click.echo(f"rps-bench: {note}", err=True)
-    elif sql is not None or as_rows:
-        asked = f"SELECT {_BRIEF} FROM rows {where}" if sql is None else sql
-        show_tables(_table("Rows", past.query(asked), history, notes, SHOWN))
-    else:
-        show_tables(_table("Runs", past.query(_RUNS.format(where=where)), history, notes))
+        return 0
+    cells = tuple(tuple(map(_cell, row.values())) for row in found.rows(most))
+    more = len(found) - len(cells) if len(cells) == most else 0
+    if more:
+        notes = [f"{more} more rows; --export FILE writes them all", *notes]
+    if not cells:
+        notes = [f"no {title.lower()} found in {history}/", *notes]
+    show_tables(Table(title, tuple(found.columns), cells, tuple(notes)))
     return 0
 
 
 def _where(given: dict[str, str | None]) -> str:
     """Return the WHERE clause of the filters as typed; what was left out is None."""
-    from harness.history.duck import quoted
+    from harness.history.duck import listed, quoted
     from harness.text import MOST_MODES, numbers, split
 
     parts: list[str] = []
     for name, text in given.items():
         if text is None:
             continue
-        if name == "run" and text == "latest":
-            parts.append("run = (SELECT max_by(run, time) FROM rows)")
-        elif name == "run":
-            parts.append(f"starts_with(run, {quoted(text)})")
+        if name == "run":
+            said = _LATEST if text == "latest" else quoted(text)
         elif name == "since":
-            parts.append(f"time >= {quoted(_utc(text))}::TIMESTAMP")
+            said = quoted(_utc(text))
         elif name == "mode":
-            parts.append(f"mode IN ({str(numbers(name, text, MOST_MODES))[1:-1]})")
+            said = listed(numbers(name, text, MOST_MODES))
         else:
-            names = ", ".join(map(quoted, split(name, text)))
-            own = {
-                "command": "split_part(command, ' ', 2) IN ({0})",
-                # A bare name is that model with any elements.
-                "model": "(model IN ({0}) OR split_part(model, '@', 1) IN ({0}))",
-                "case": '"case" IN ({0})',
-            }
-            parts.append(own[name].format(names))
+            said = listed(split(name, text))
+        parts.append(_FILTERS[name].format(said))
     return "WHERE " + " AND ".join(parts) if parts else ""
 
 
@@ -114,21 +123,6 @@ def _utc(text: str) -> str:
     except ValueError:
         raise InputError("since", text, "a date as in 2026-01-31, or 2026-01-31T12:00") from None
     return str(time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time)
-
-
-def _table(
-    title: str, found: "Answer", folder: Path, notes: list[str], most: int | None = None
-) -> "Table":
-    """Return the first `most` rows as a table."""
-    from harness.tables import Table
-
-    cells = tuple(tuple(map(_cell, row.values())) for row in found.rows(most))
-    height = len(found) if len(cells) == most else len(cells)
-    if height > len(cells):
-        notes = [f"{height - len(cells)} more rows; --export FILE writes them all", *notes]
-    if not cells:
-        notes = [f"no {title.lower()} found in {folder}/", *notes]
-    return Table(title, tuple(found.columns), cells, tuple(notes))
 
 
 def _cell(value: Any) -> "Cell":

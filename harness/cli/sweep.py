@@ -94,7 +94,7 @@ def sweep(
         folder = output
         if folder is None or (dry_run and not (folder / NAME).exists()):
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        journal = stack.enter_context(Journal(folder))
+        journal = stack.enter_context(closing(Journal(folder)))
         study = Sweep(at.mechanism, poses, chosen, shown, reference, journal, here)
         if dry_run:
             show_tables(estimate(study))

@@ -7,9 +7,9 @@ damaged or foreign, and skipped. (Parquet itself notices less than half of all f
 import os
 import re
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from glob import escape
 from hashlib import file_digest
@@ -80,15 +80,16 @@ def append_table(
     table: str,
     command: str,
     time: datetime | None = None,
-    run: str | None = None,
+    listener: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Do as `append` with all rows of a table of `base`, which are never in memory as a whole.
 
-    `run`: its name, as `name_of` makes it, where that is known already.
+    The `listener` hears the name of the run before its file is there.
     """
     # Without a zone: all times are UTC.
     time = (time or datetime.now(UTC)).astimezone(UTC).replace(tzinfo=None)
-    run = run or name_of(time)
+    run = f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
+    listener(run)
     known = {**provenance(), "command": command, "run": run, "time": time}
     kinds = {row[0]: row[1] for row in base.execute(f"DESCRIBE {table}").fetchall()}
     given = {name: kind for name, kind in kinds.items() if name not in ("run", "time")}
@@ -110,16 +111,6 @@ def append_table(
         path = folder / f"{run}.{checksum(temporary)}.parquet"
         temporary.replace(path)
     return path
-
-
-def name_of(time: datetime) -> str:
-    """Return a new name for a run at `time` [UTC]."""
-    return f"{time:%Y%m%d-%H%M%S.%f}-{secrets.token_hex(3)}"
-
-
-def has(folder: Path, run: str) -> bool:
-    """Return whether a history has the file of a run."""
-    return any(folder.glob(f"{run}.*.parquet"))
 
 
 def checksum(path: Path) -> str:
@@ -184,24 +175,18 @@ class Answer:
 
     history: "History"
     sql: str
-    params: Params = None
-
-    @property
-    def columns(self) -> list[str]:
-        """The names of the columns."""
-        with self.history.asked(self) as (_, answer):
-            return list(answer.columns)
+    params: Params
+    columns: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         with self.history.asked(self) as (_, answer):
-            ((height,),) = answer.aggregate("count(*)").fetchall()
-        return int(height)
+            return len(answer)
 
     def rows(self, most: int | None = None) -> list[dict[str, Any]]:
         """Return the rows by the names of their columns, the first `most` of them."""
         with self.history.asked(self) as (_, answer):
             some = answer if most is None else answer.limit(most)
-            return [dict(zip(answer.columns, row, strict=True)) for row in some.fetchall()]
+            return [dict(zip(self.columns, row, strict=True)) for row in some.fetchall()]
 
     def to_frame(self) -> "pd.DataFrame":
         """Return the rows as a pandas frame."""
@@ -256,8 +241,8 @@ class History:
         `params` fill `?`, `$1` or `$name`. Raises `InputError` for anything but one good SELECT.
         """
         answer = Answer(self, sql, params)
-        with self.asked(answer):
-            return answer
+        with self.asked(answer) as (_, found):
+            return replace(answer, columns=tuple(found.columns))
 
     @contextmanager
     def asked(

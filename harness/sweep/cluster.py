@@ -21,7 +21,7 @@ _of_this_worker = Children()
 
 
 def _on_worker(task: Task, patience: Patience) -> object:
-    return _of_this_worker.attempt(task, patience.limit, patience.tries)
+    return _of_this_worker.attempt(task, *patience)
 
 
 class Cluster(Engine):

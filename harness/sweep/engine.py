@@ -3,10 +3,9 @@
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from threading import Lock
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from harness.workers import Children, Failure, Task, attempt
 
@@ -21,8 +20,7 @@ AHEAD = 3
 T = TypeVar("T", bound=Task)
 
 
-@dataclass(frozen=True)
-class Patience:
+class Patience(NamedTuple):
     """How long a simulator's job may take [s], and how often it is tried if its process dies."""
 
     limit: float = 60.0
@@ -89,7 +87,7 @@ class Engine:
                 return attempt(task)
             finally:
                 self._here.release()
-        return self._children.attempt(task, self._patience.limit, self._patience.tries)
+        return self._children.attempt(task, *self._patience)
 
     def close(self) -> None:
         """Drop what is not done and end all processes."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import scipy
@@ -108,28 +108,16 @@ class Job:
         return flaw(answer.frequencies, (len(self.poses), self.count), answer.uncertainty)
 
 
-def jobs(
-    model: Model, mechanism: Mechanism, poses: Pose, count: int, first: int = 0
-) -> Iterator[Job]:
-    """Yield the jobs that cover all `poses`, numbered from `first` on, in order.
-
-    Split at fixed numbers: the last bits of a batch's answer depend on a pose's company.
-    """
-    size = 1 if model.info().isolated else BATCH
-    _, program = program_of(model)
-    for start in range(0, len(poses), size):
-        yield Job(model, program, mechanism, count, first + start, poses[start : start + size])
-
-
 def program_of(model: Model) -> tuple[str, str]:
     """Return why a model cannot run here at all, "" if it can, and what computes it here: its
     program's version, this bench's, and their sources."""
     if model in _programs:
         return "", _programs[model]
+    why, source = "", "none"
     try:
-        why, source = asked(_built, model) if isinstance(model, Named) else _built(model)
-    except UnavailableError as error:
-        why, source = str(error), "none"
+        source = asked(_source, model) if isinstance(model, Named) else _source(model)
+    except (UnavailableError, InputError) as error:
+        why = str(error)
     info = model.info()
     bench = f"rps-bench {__version__}, numpy {np.__version__}, scipy {scipy.__version__}"
     program = f"{info.program} {info.version} ({bench}, source {source})"
@@ -138,23 +126,19 @@ def program_of(model: Model) -> tuple[str, str]:
     return why, program
 
 
-def _built(model: Any) -> tuple[str, str]:
-    """Return why a model cannot be built, "" if it can, and a hash of the files behind it: of its
-    own package, or its file, of `analytic`, and what makes and checks an answer."""
-    try:
-        built = model.build() if hasattr(model, "build") else model
-    except (UnavailableError, InputError) as error:
-        return str(error), "none"
+def _source(model: Any) -> str:
+    """Return a hash of the files behind a model: of its own package, or its file, of `analytic`,
+    and what makes and checks an answer; raise where it cannot be built."""
+    built = model.build() if hasattr(model, "build") else model
     parts = (built, *getattr(built, "__dict__", {}).values())  # an extrapolation holds two models
     names = {"analytic", *(type(part).__module__.partition(".")[0] for part in parts)}
     files = [Path(own) for own in (__file__, answers.__file__, declared.__file__)]
     for name in sorted(names):
         file = Path(getattr(sys.modules.get(name), "__file__", None) or "")
-        if file.is_file():
-            package = file.name == "__init__.py"
-            files += sorted(file.parent.rglob("*.py")) if package else [file]
-    content = sha256(b"".join(path.read_bytes() for path in files))
-    return "", content.hexdigest()[:12]
+        package = file.name == "__init__.py"
+        files += sorted(file.parent.rglob("*.py")) if package else [file]
+    content = sha256(b"".join(path.read_bytes() for path in files if path.is_file()))
+    return content.hexdigest()[:12]
 
 
 _programs: dict[Model, str] = {}
@@ -179,7 +163,7 @@ _RUNS = "SELECT DISTINCT name FROM part LEFT JOIN run USING (key)"
 
 
 class Journal:
-    """The answers of the jobs run into one folder, by the jobs' content hashes; as a context.
+    """The answers of the jobs run into one folder, by the jobs' content hashes; to be closed.
 
     SQLite with a write-ahead log: a finished job survives the end of this process, however it
     ends. One process at a time: a second is refused. Raises `OutputError` where the folder cannot
@@ -198,15 +182,13 @@ class Journal:
                 self._run(statement)
             (sound,) = self._run("PRAGMA quick_check(1)").fetchone()
             if sound != "ok":
-                raise self._damaged(sound)
+                raise self._refused(sound)
         except OutputError:
-            self._base.close()
+            self.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
+        """Let go of the folder."""
         self._base.close()
 
     def get(self, job: Job) -> Answer | None:
@@ -250,21 +232,16 @@ class Journal:
         except sqlite3.Error as error:
             raise self._refused(error) from None
 
-    def _refused(self, error: Exception) -> OutputError:
+    def _refused(self, error: Any) -> OutputError:
+        """Return why the folder cannot be used; what is no error is the damage that was found."""
         code = getattr(error, "sqlite_errorcode", None)
-        if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB):
-            return self._damaged(error)
         why = f"cannot write there ({getattr(error, 'strerror', None) or error})"
         if code == sqlite3.SQLITE_BUSY:
             why = "another sweep is running into this folder"
+        elif isinstance(error, str) or code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB):
+            damage = " ".join(str(error).split())
+            why = f"its {NAME} is damaged ({damage}); move it away to start anew"
         return OutputError(f"output = {str(self._folder)!r}: {why}")
-
-    def _damaged(self, why: object) -> OutputError:
-        said = " ".join(str(why).split())
-        return OutputError(
-            f"output = {str(self._folder)!r}: its {NAME} is damaged ({said}); move it away to "
-            "start anew"
-        )
 
 
 @dataclass(frozen=True)
@@ -299,8 +276,16 @@ class Sweep:
         return used([self.poses])
 
     def jobs(self, model: Model, start: int = 0, stop: int | None = None) -> Iterator[Job]:
-        """Return the jobs of one model for the poses from `start`, a multiple of `BATCH`, on."""
-        return jobs(model, self.mechanism, self.poses[start:stop], self.count, start)
+        """Yield the jobs of one model for the poses from `start`, a multiple of `BATCH`, on.
+
+        Split at fixed numbers: the last bits of a batch's answer depend on a pose's company.
+        """
+        size = 1 if model.info().isolated else BATCH
+        _, program = program_of(model)
+        poses = self.poses[start:stop]
+        for at in range(0, len(poses), size):
+            some = poses[at : at + size]
+            yield Job(model, program, self.mechanism, self.count, start + at, some)
 
     @property
     def blocks(self) -> range:

@@ -1,26 +1,29 @@
 """A long table on its way to a file: on the disk from the start, there whole or not at all."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, Self
+from shutil import rmtree
+from typing import Any
 
 import numpy as np
 
-from harness.history.duck import connect, reason, sink
+from harness.history.duck import connect, named, reason, sink
 from harness.output import OutputError
 
 TABLE = "long"
+RECORDS = "records"
+"""Rows with their texts."""
 
 
 class LongTable:
-    """Numbers for `file` (.parquet, .csv or .json), a row a pose and mode; as a context.
+    """Numbers for `file` (.parquet, .csv or .json), a row a pose and mode; to be closed.
 
     Columns are of `whole` numbers, or of `reals`, or, `by_mode`, of reals that differ between the
     `modes`. Blocks are kept in a base of DuckDB beside the file: in the table `wide` of `base` a
-    row a pose, in its view `TABLE` a row a pose and mode. The same rows give the same bytes. One
-    writer at a time for a file. Raises `OutputError` with the reason where the folder cannot be
-    written.
+    row a pose, its columns `names`, in its view `TABLE` a row a pose and mode. The same rows give
+    the same bytes. One writer at a time for a file. Raises `OutputError` with the
+    reason where the folder cannot be written.
     """
 
     def __init__(
@@ -32,18 +35,19 @@ class LongTable:
         modes: Sequence[int],
     ) -> None:
         self.file = file
-        # Always the same names: what a killed process left behind is overwritten, not kept.
-        self._own, self._part = (file.with_name(f".{file.name}.{end}") for end in ("rows", "part"))
-        self._clear()
+        # Always the same name: what a killed process left behind goes, and does not stay.
+        self._own = file.with_name(f".{file.name}.parts")
+        rmtree(self._own, ignore_errors=True)
         many = {name: [f"{name}_{mode}" for mode in modes] for name in by_mode}
         self._wide = {name: [name] for name in (*whole, *reals)} | many
-        self._names = [each for own in self._wide.values() for each in own]
-        typed = [f"{each} {'BIGINT' if each in whole else 'DOUBLE'}" for each in self._names]
+        self.names = [each for own in self._wide.values() for each in own]
+        typed = [f"{each} {'BIGINT' if each in whole else 'DOUBLE'}" for each in self.names]
         shown = [f"unnest([{', '.join(own)}]) AS {name}" for name, own in many.items()]
         shown.append(f"unnest({list(modes)})::BIGINT AS mode")
         self._held = np.empty((len(typed), 0))
         with self._writing():
-            self.base = connect(str(self._own), streams=True)
+            self._own.mkdir()
+            self.base = connect(str(self._own / "base"), streams=True)
             self.base.execute("SET force_compression = 'uncompressed'")
             self.base.execute("BEGIN")  # never committed: nothing is written twice
             self.base.execute(f"CREATE TABLE wide ({', '.join(typed)})")
@@ -66,17 +70,20 @@ class LongTable:
             out=held,
         )
         with self._writing():
-            self.base.register("block", dict(zip(self._names, held, strict=True)))
+            self.base.register("block", dict(zip(self.names, held, strict=True)))
             finite = "CASE WHEN isfinite(COLUMNS(*)) THEN COLUMNS(*) END"
             self.base.execute(f"INSERT INTO wide SELECT {finite} FROM block")
             self.base.unregister("block")
 
-    def write(self, columns: Mapping[str, str]) -> None:
-        """Write the file, its columns in SQL; it takes its name when it is complete."""
-        shown = ", ".join(f"{sql} AS {name}" for name, sql in columns.items())
+    def write(self, names: Iterable[str], texts: Mapping[str, str]) -> None:
+        """Make the view `RECORDS`, where numbers are `texts` in SQL too, and write columns of it;
+        the file takes its name when it is complete."""
+        shown = ", ".join(f"{sql} AS {named(name)}" for name, sql in texts.items())
+        part = self._own / "part"
         with self._writing():
-            sink(self.base, f"SELECT {shown} FROM {TABLE}", self._part, self.file.suffix)
-            self._part.replace(self.file)
+            self.base.execute(f"CREATE VIEW {RECORDS} AS SELECT *, {shown} FROM {TABLE}")
+            sink(self.base, f"SELECT {', '.join(names)} FROM {RECORDS}", part, self.file.suffix)
+            part.replace(self.file)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
@@ -90,15 +97,8 @@ class LongTable:
             folder = str(self.file.parent)
             raise OutputError(f"output = {folder!r}: cannot write there ({told})") from None
 
-    def _clear(self) -> None:
-        for path in (self._own, self._own.with_name(f"{self._own.name}.wal"), self._part):
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *error: object) -> None:
+    def close(self) -> None:
+        """Leave nothing but the file."""
         with suppress(Exception):
             self.base.close()
-        self._clear()
+        rmtree(self._own, ignore_errors=True)

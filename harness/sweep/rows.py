@@ -2,20 +2,19 @@
 
 from collections import deque
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
 from analytic.model import Model
 from harness.bench import label
-from harness.history.duck import constant, named, one_of
+from harness.history.duck import constant, one_of
 from harness.history.provenance import provenance
-from harness.history.store import append_table, has, name_of
+from harness.history.store import append_table
 from harness.poses import cells, columns, headings
 from harness.rows import SWEEP, mechanism_hash, settings
 from harness.sweep.jobs import BATCH, Answer, Job, Sweep
-from harness.sweep.long_table import TABLE, LongTable
+from harness.sweep.long_table import RECORDS, LongTable
 from harness.tables import Number, Table
 
 FEW = 3
@@ -80,41 +79,29 @@ class Rows(LongTable):
 
     def finish(self) -> None:
         """Write the file when all blocks are there."""
-        texts = self._texts()
-        names = ("pose", *self._sweep.where, "mechanism", "model", "theory", "version", "mode",
-                 "frequency_hz", "uncertainty_hz", "closure_m", "dofs")  # fmt: skip
-        self.write({name: texts.get(name, name) for name in names})
-
-    def _texts(self) -> dict[str, str]:
-        """Return the columns of texts as SQL."""
+        sweep = self._sweep
+        usual = ", ".join(str(self._usual(model) or "NULL") for model in sweep.models)
         texts = {
-            "mechanism": constant(mechanism_hash(self._sweep.mechanism)),
-            "model": one_of([label(model) for model in self._sweep.models], "which"),
+            "mechanism": constant(mechanism_hash(sweep.mechanism)),
+            "model": one_of([label(model) for model in sweep.models], "which"),
+            "case": constant(SWEEP),
+            "settings": one_of([settings(model, sweep.count) for model in sweep.models], "which"),
+            "solve_s": f"[{usual}][which + 1]",
         }
         for k, name in enumerate(("theory", "version", *provenance())):
             texts[name] = one_of([said[k] for said in self._told], "told")
-        return texts
+        names = ("pose", *sweep.where, "mechanism", "model", "theory", "version", "mode",
+                 "frequency_hz", "uncertainty_hz", "closure_m", "dofs")  # fmt: skip
+        self.write(names, texts)
 
     def keep(self, folder: Path, command: str) -> None:
         """Append the rows to the history in `folder`, if it lacks any; `solve_s` is a median.
 
         Each says what made it, which need not be what resumed the sweep.
         """
-        sweep, journal = self._sweep, self._sweep.journal
-        if all(run is not None and has(folder, run) for run in journal.runs()):
-            return
-        usual = ", ".join(str(self._usual(model) or "NULL") for model in sweep.models)
-        texts = self._texts() | {
-            "case": constant(SWEEP),
-            "settings": one_of([settings(model, sweep.count) for model in sweep.models], "which"),
-            "solve_s": f"[{usual}][which + 1]",
-        }
-        shown = ", ".join(f"{sql} AS {named(name)}" for name, sql in texts.items())
-        self.base.execute(f"CREATE TEMP VIEW records AS SELECT *, {shown} FROM {TABLE}")
-        time = datetime.now(UTC)
-        name = name_of(time)
-        journal.goes_to(name)
-        append_table(folder, self.base, "records", command, time, name)
+        journal = self._sweep.journal
+        if not all(run and any(folder.glob(f"{run}.*.parquet")) for run in journal.runs()):
+            append_table(folder, self.base, RECORDS, command, None, journal.goes_to)
 
     def _usual(self, model: Model) -> float | None:
         """Return the median over the model's jobs of the seconds a pose."""
@@ -124,22 +111,18 @@ class Rows(LongTable):
     def first_table(self) -> Table:
         """Return the frequencies of the first few poses; the file has all of them."""
         where, modes = self._sweep.where, self._sweep.modes
-        asked = ["pose", "which", *where, *(f"frequency_hz_{i}" for i in modes)]
-        found = self.base.execute(
-            f"SELECT {', '.join(asked)} FROM wide WHERE pose <= {FEW} ORDER BY pose, which"
-        )
-        rows = tuple(
-            (
-                pose, *cells(dict(zip(where, values, strict=False)), where),
-                label(self._sweep.models[which]),
-                *("-" if f is None else Number(f) for f in values[len(where) :]),
-            )
-            for pose, which, *values in found.fetchall()
-        )  # fmt: skip
+        found = self.base.execute(f"FROM wide WHERE pose <= {FEW} ORDER BY pose, which")
+        rows = []
+        for values in found.fetchall():
+            row = dict(zip(self.names, values, strict=True))
+            f = [row[f"frequency_hz_{i}"] for i in modes]
+            numbers = ["-" if value is None else Number(value) for value in f]
+            model = label(self._sweep.models[row["which"]])
+            rows.append((row["pose"], *cells(row, where), model, *numbers))
         names = "Pose", *headings(where), "Model", *(f"f{i} [Hz]" for i in modes)
         poses = len(self._sweep.poses)
         title = f"Frequencies of the first {min(FEW, poses)} of {poses} poses"
-        return Table(title, names, rows)
+        return Table(title, names, tuple(rows))
 
     def timing_table(self) -> Table:
         """What each model itself took, over all runs into this folder."""

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -101,7 +102,7 @@ def solve(
     folder, modes = Path(folder), range(1, count + 1)
     with (
         engine(cores or threads.cores(), scheduler, patience) as here,
-        Journal(folder) as journal,
+        closing(Journal(folder)) as journal,
     ):
         sweep = Sweep(mechanism, poses, tuple(models), modes, against, journal, here)
         return carry_out(sweep, folder / "frequencies.parquet")
@@ -123,7 +124,7 @@ def carry_out(
     an earlier sweep left in the folder and this one does not write are removed.
     Raises `OutputError` where a file cannot be written.
     """
-    with Rows(sweep, file) as rows:
+    with closing(Rows(sweep, file)) as rows:
 
         def tell(job: Job) -> None:
             listener(job)
@@ -194,16 +195,14 @@ def estimate(sweep: Sweep) -> Table:
     rows: list[tuple[Cell, ...]] = []
     cores, together = sweep.engine.cores, 0.0
     for model in sweep.models:
-        jobs = [(sweep.journal.get(job) is not None, len(job.poses)) for job in sweep.jobs(model)]
-        total, done = len(jobs), sum(there for there, _ in jobs)
-        counts = label(model), total, done, total - done
-        why, _ = program_of(model)
-        each = Failure(why) if why else _seconds_a_pose(sweep, model)
+        sizes = [0 if sweep.journal.get(job) else len(job.poses) for job in sweep.jobs(model)]
+        todo = sum(size > 0 for size in sizes)
+        counts = label(model), len(sizes), len(sizes) - todo, todo
+        each = _seconds_a_pose(sweep, model)
         if isinstance(each, Failure):
             rows.append((*counts, "-", each.reason))
             continue
-        left = sum(poses for there, poses in jobs if not there)
-        seconds = left * each / min(cores, max(1, total - done))
+        seconds = sum(sizes) * each / min(cores, max(1, todo))
         together += seconds
         rows.append((*counts, Number(1e3 * each, 3), _duration(seconds)))
     names = ("Model", "Jobs", "Done", "To do", "ms a pose", "Time")

@@ -15,8 +15,9 @@ import psutil
 import pytest
 
 from analytic import Mechanism, Pose, condensed_frequencies
+from analytic.model import Model
 from harness.sweep.engine import AHEAD, Engine, Patience, engine, run
-from harness.sweep.jobs import BATCH, Answer, Job, jobs
+from harness.sweep.jobs import BATCH, Answer, Job, Sweep
 from harness.workers import Children, Failure
 from reference_models import Named
 
@@ -24,6 +25,10 @@ FINE, SLOW, CRASH, HANG, REFUSE, FLAKY, BUG, EXIT = range(1, 9)
 Z = np.array([0.4, 0.5, 0.6])
 GOOD = Pose(Z, 0.1, 0.1)
 ONE_BAD = Pose(Z, 0.1, [0.1, -0.1, 0.1])
+
+
+def jobs(model: Model, mechanism: Mechanism, poses: Pose, count: int) -> Iterator[Job]:
+    return Sweep(mechanism, poses, [model], range(1, count + 1), None, None, None).jobs(model)
 
 
 def trial(elements: int, poses: Pose = ONE_BAD) -> list[Job]:

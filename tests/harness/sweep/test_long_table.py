@@ -1,6 +1,7 @@
 """Rows on their way to a file: what is added is there, and memory holds one block of it."""
 
 import tracemalloc
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ def test_blocks_of_any_size_keep_their_own_numbers(tmp_path: Path) -> None:
     blocks = [3, 1, 5, 2]
     given = [np.arange(n * 2.0).reshape(n, 2) + 100 * k for k, n in enumerate(blocks)]
     gaps: list[object] = [None, np.array([np.nan]), np.arange(5), np.array([0.5, np.inf])]
-    with LongTable(tmp_path / "rows.parquet", *COLUMNS) as table:
+    with closing(LongTable(tmp_path / "rows.parquet", *COLUMNS)) as table:
         for k, (f, gap) in enumerate(zip(given, gaps, strict=True)):
             table.add({"pose": np.full(len(f), k), "z_m": f[:, 0] / 7, "f": f, "gap": gap})
         rows = table.base.execute(f"SELECT pose, z_m, mode, f, gap FROM {TABLE}").fetchall()
@@ -29,7 +30,7 @@ def test_blocks_of_any_size_keep_their_own_numbers(tmp_path: Path) -> None:
 
 def test_what_was_added_is_not_kept_in_memory(tmp_path: Path) -> None:
     block = {"pose": np.arange(7000), "z_m": np.ones(7000), "f": np.ones((7000, 2)), "gap": None}
-    with LongTable(tmp_path / "rows.parquet", *COLUMNS) as table:
+    with closing(LongTable(tmp_path / "rows.parquet", *COLUMNS)) as table:
         table.add(block)
         tracemalloc.start()
         try:

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from analytic import Mechanism, Pose, condensed_frequencies, limbs_at
-from harness.sweep.mode_check import check_modes
+from harness.sweep.error_map import check_modes
 from harness.sweep.pose_sets import pose_set
 
 THEORY = {"elements": None, "beam": "timoshenko", "shear": "cowper"}

@@ -109,12 +109,13 @@ def test_a_kill_where_the_history_is_written_leaves_each_row_once(
     """Right before the run's file is there, or right after, before anything else is done."""
     given = ("--models", "rayleigh@2", "--poses", "random:9:1", "--modes", "1-2")
     given += ("--output", str(tmp_path / "out"), "--history", str(tmp_path / "past"))
-    write = "right(*given); " if moment == "after" else ""
-    patch = (
-        "import os, signal, harness.sweep.rows as rows; right = rows.append_table; "
-        f"rows.append_table = lambda *given: ({write.replace('; ', ', ')}"
-        "os.kill(os.getpid(), signal.SIGKILL))"
-    )
+    kill = "os.kill(os.getpid(), signal.SIGKILL)"
+    patch = "import os, signal, harness.history.store as store, harness.sweep.rows as rows; "
+    if moment == "before":  # what is written has no name yet, but is known as a run
+        patch += f"store.checksum = lambda path: {kill}"
+    else:
+        patch += "right = rows.append_table; "
+        patch += f"rows.append_table = lambda *given: (right(*given), {kill})"
     assert ended(started(*given, before=patch))[0] == -signal.SIGKILL
     assert len(list((tmp_path / "past").glob("*.parquet"))) == (moment == "after")
     for _ in range(2):

@@ -349,7 +349,9 @@ def test_a_patched_model_is_solved_anew(
     for text in ("", "factor = 1.05", "factor = 1.05"):
         file.write_text(text)
         jobs_module._programs.clear()
-        (job,) = jobs_module.jobs(Wrong("nothing"), robot, pose_set("random:5:1", robot), 4)
+        poses, model = pose_set("random:5:1", robot), Wrong("nothing")
+        sweep = jobs_module.Sweep(robot, poses, [model], [4], None, None, None)
+        (job,) = sweep.jobs(model)
         keys.add(job.key)
     jobs_module._programs.clear()
     assert len(keys) == 2
