@@ -217,7 +217,7 @@ class Table:
                              no_wrap=numeric, overflow="fold", width=width)  # fmt: skip
         first = [str(row[0]) for row in self.rows]
         grouped = len(set(first)) < len(first)
-        for row, name, after in zip(self._text, first, [*first[1:], ""], strict=True):
+        for row, name, after in zip(self._text, first, [*first, ""][1:], strict=True):
             table.add_row(*(Text(row[k]) for k in widths), end_section=grouped and name != after)
         return table
 
