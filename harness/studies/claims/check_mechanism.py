@@ -155,7 +155,7 @@ def falls(facts: Facts, args: Args) -> Outcome:
 def lowest_best(facts: Facts, args: Args) -> Outcome:
     """Is f1 of the level platform highest where it is lowest?"""
     z, level = facts.maps.z, facts.maps.level
-    k = int(np.nanargmax(level))
+    k = np.nanargmax(level)
     otherwise = "highest" if k == len(z) - 1 else "otherwise"
     return outcome(k == 0, otherwise, last=level[-1], best=1000 * z[k], **_layers(facts.maps))
 

@@ -52,7 +52,7 @@ def _largest(errors: Sequence[Array], modes: Sequence[int]) -> tuple[str, int, f
     Of errors and uncertainties, (2, 6) a case.
     """
     some = np.array(errors)[:, :, np.array(modes) - 1]
-    k, m = (int(n) for n in np.unravel_index(some[:, 0].argmax(), some[:, 0].shape))
+    k, m = divmod(int(some[:, 0].argmax()), len(modes))
     value, own = some[k, :, m].tolist()
     return CASES[k], modes[m], value, own
 
@@ -155,17 +155,14 @@ def theoretical(facts: Facts, args: Args) -> Outcome:
     """Is a theoretical value what the paper's model gives for its parameters?"""
     case, i = args["case"], args["mode"] - 1
     quoted, literal = facts.printed.table[case, THEORETICAL][i], f"{case}-as-printed"
-    found = {
-        name: facts.hertz[name, one.theory][i]
-        for name, one in PRESETS.items()
-        if one.published == case
-    }
-    off = {name: _off(value, quoted) for name, value in found.items()}
-    near = min(found, key=lambda name: abs(found[name] / quoted - 1))
-    z = [PRESETS[name].pose.z for name in (literal, case)]
+    read = {name: one for name, one in PRESETS.items() if one.published == case}
+    found = {name: facts.hertz[name, one.theory][i] for name, one in read.items()}
+    off = {name: relative_error(value, quoted) for name, value in found.items()}
+    near = min(off, key=lambda name: abs(off[name]))
+    z = [read[name].pose.z for name in (literal, case)]
     holds = abs(found[case] - quoted) <= RULES.rounding
-    said = {"own": off[case], "literal": off[literal], "near": near, "nearest": off[near]}
-    return outcome(holds, value=found[case], z=z, **said)
+    said = {"literal": off[literal], "near": near, "nearest": off[near], "z": z}
+    return outcome(holds, "otherwise", value=found[case], own=off[case], **said)
 
 
 def fea(facts: Facts, args: Args) -> Outcome:
@@ -175,10 +172,10 @@ def fea(facts: Facts, args: Args) -> Outcome:
     found, off = {}, []
     for r in (facts.fea, facts.solid):
         f = r.hertz[case][i]
-        off.append(_off(f, quoted))
+        off.append(f"{relative_error(f, quoted):+.2f} %")
         said = f"{f:.3f} Hz ({off[-1]}) by {r.label}"
         found[r.label] = said, abs(f - quoted), r.uncertainty[case][i]
-    theory = _off(facts.hertz[case, PAPER][i], ours)
+    theory = relative_error(facts.hertz[case, PAPER][i], ours)
     return _among(found, "Hz", off=" and ".join(off), z=PRESETS[case].pose.z, theory=theory)
 
 
@@ -218,10 +215,6 @@ def _among(found: Mapping[str, tuple[str, float, float]], unit: str, **values: A
     return outcome(len(those) == len(found), "some" if those else "otherwise", **values)
 
 
-def _off(value: float, quoted: float) -> str:
-    return f"{100 * (value / quoted - 1):+.2f} %"
-
-
 def _error(facts: Facts, reference: Reference, case: str, model: Named) -> Array:
     """Return the model's error and the reference's own uncertainty, (2, 6) [%]."""
     f = reference.hertz[case]
@@ -249,7 +242,7 @@ def one_height(facts: Facts, args: Args) -> Outcome:
         off = relative_error(scan, facts.printed.table[case, THEORETICAL])
         worst[f"{case} is nearest"] = np.abs(off).max(1)
     worst["both"] = np.maximum(*worst.values())
-    best = {what: int(np.argmin(off)) for what, off in worst.items()}
+    best = {what: np.argmin(off) for what, off in worst.items()}
     words = [f"{w} at z = {z[k]:.3f} m, to {worst[w][k]:.2f} %" for w, k in best.items()]
     least, step = worst["both"].min(), 1000 * np.diff(z).max()
     holds = least <= RULES.agrees_percent
@@ -269,10 +262,11 @@ def fall(facts: Facts, args: Args) -> Outcome:
 def few_elements(facts: Facts, args: Args) -> Outcome:
     """Do more elements than these change the frequencies no further?"""
     hertz, elements, most = facts.hertz, args["elements"], getattr(RULES, args["limit"])
-    models = [replace(PAPER, elements=s) for s in STEPS]
-    off = [[relative_error(hertz[case, m], hertz[case, EXACT]) for case in CASES] for m in models]
-    errors = np.abs(off)[:, :, np.array(args["modes"]) - 1].max(axis=(1, 2))
-    worst = dict(zip(STEPS, errors, strict=True))
+    worst = {}
+    for s in STEPS:
+        model = replace(PAPER, elements=s)
+        off = [relative_error(hertz[case, model], hertz[case, EXACT]) for case in CASES]
+        worst[s] = np.abs(off)[:, np.array(args["modes"]) - 1].max()
     fewest = next((f"{s} or more" for s in STEPS if worst[s] <= most), "more than were tried")
     words = ", ".join(f"{worst[s]:.3f} % at s = {s}" for s in STEPS if s <= elements + 1)
     return outcome(worst[elements] <= most, words=words, most=most, fewest=fewest)

@@ -70,33 +70,32 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
     mechanism = cases[0].mechanism
     poses = random_poses(POSES)
     R = formulas.rotation(poses.azimuth, poses.tilt)
-    r2 = float(np.linalg.norm(mechanism.platform_points[0]))
+    r2 = np.linalg.norm(mechanism.platform_points[0]).item()
     x, y = formulas.position(r2, poses.azimuth, poses.tilt)
     o = np.stack([x, y, poses.z], axis=-1)
     # Eq. (3), limb by limb: (poses, n, 3).
-    vectors = o[:, None] + np.einsum("pjk,ik->pij", R, mechanism.platform_points) - mechanism.bases
+    vectors = o[:, None] + mechanism.platform_points @ R.swapaxes(1, 2) - mechanism.bases
     lengths = np.linalg.norm(vectors, axis=-1)
     turns = formulas.rotation(np.array([PHI, 0.0]), np.array([0.0, THETA]))
     alone, theta = Rotation.from_matrix(turns).as_rotvec()
     headings = np.radians(np.arange(0, 360, 5))
     # The revolute axis is y of the limb's frame R_i: (headings, poses, n, 3).
-    axes = np.array(
-        [limbs_at(Mechanism.paper(heading=h), poses).frames[..., 1] for h in headings.tolist()]
-    )
+    turned = [limbs_at(Mechanism.paper(heading=h), poses) for h in headings.tolist()]
+    axes = np.array([limbs.frames[..., 1] for limbs in turned])
     density = mechanism.limbs[0].rod.material.density
     plate = formulas.platform(r2, formulas.thickness, density)
     opened, apart, clamped = zip(*(_against_multipliers(case) for case in cases), strict=True)
-    orthogonal, right = R.transpose(0, 2, 1) @ R - np.eye(3), np.linalg.det(R) - 1
+    orthogonal, right = R.swapaxes(1, 2) @ R - np.eye(3), np.linalg.det(R) - 1
     return SimpleNamespace(
         # Largest of |R^T R - 1| and |det R - 1|, Eq. (1).
-        rotation=float(max(np.abs(orthogonal).max(), np.abs(right).max())),
-        phi_alone=float(np.linalg.norm(alone)),  # how far R turns for PHI alone [rad]
+        rotation=max(np.abs(orthogonal).max(), np.abs(right).max()),
+        phi_alone=np.linalg.norm(alone),  # how far R turns for PHI alone [rad]
         # Angle of R's axis from x for THETA alone [rad].
-        theta_axis=float(np.arccos(abs(theta[0]) / np.linalg.norm(theta))),
+        theta_axis=np.arccos(abs(theta[0]) / np.linalg.norm(theta)),
         # Largest distance of an A_i from its joint's plane, Eq. (2) [m].
-        beside_plane=float(np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max()),
+        beside_plane=np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max(),
         # Largest difference of L_i, Eq. (3), from the model's [m].
-        lengths_apart=float(np.abs(lengths - limbs_at(mechanism, poses).lengths).max()),
+        lengths_apart=np.abs(lengths - limbs_at(mechanism, poses).lengths).max(),
         compatibility=_compatibility(mechanism, formulas.arm),
         freedoms=_freedoms(cases[-1]),  # of the platform with its actuators free
         sizes={s: _sizes(cases[0], s) for s in SIZES},
@@ -104,13 +103,13 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
         # Smallest |denominator| over limbs and poses (n,).
         eq17=np.abs(axes[..., 1]).min(axis=(1, 2)),
         eq18=np.abs(axes[..., 0]).min(axis=(1, 2)),
-        axis_rise=float(np.abs(axes[..., 2]).max()),  # vertical component of a revolute axis
-        axis_motion=float(np.ptp(axes, axis=1).max()),  # of a revolute axis from pose to pose
+        axis_rise=np.abs(axes[..., 2]).max(),  # vertical component of a revolute axis
+        axis_motion=np.ptp(axes, axis=1).max(),  # of a revolute axis from pose to pose
         joints_open=max(opened),  # largest |C u| of a mode for unit largest motion
         multipliers_apart=max(apart),  # relative difference of f1-f6 from those with multipliers
         multipliers=Multipliers(3).matrices(mechanism, cases[0].pose)[2].shape[0],
         # Relative change of f1-f6 by case if Phi_Bi = 0.
-        base_clamped={case.name: f for case, f in zip(cases, clamped, strict=True)},
+        base_clamped=dict(zip((case.name for case in cases), clamped, strict=True)),
         # The printed platform's Jx, Jy, Jz over its mass [m^2].
         moments=np.diag(np.array(plate.inertia)) / plate.mass,
         thickness=formulas.thickness,  # h [m]
@@ -119,12 +118,12 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
 
 def _compatibility(mechanism: Mechanism, arm: Callable[[Array], Array]) -> float:
     """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
-    turns, worst = STEP * np.eye(3), []
+    turn, worst = Rotation.from_rotvec(STEP * np.eye(3)), 0.0
     for point in np.array(mechanism.platform_points):  # a copy: rotating needs one to write to
-        ahead, behind = (Rotation.from_rotvec(sign * turns).apply(point) for sign in (1, -1))
-        off = arm(point)[:, 3:] - (ahead - behind).T / (2 * STEP)
-        worst.append(np.abs(off).max() / np.linalg.norm(point))
-    return float(max(worst))
+        moved = turn.apply(point) - turn.inv().apply(point)
+        off = np.abs(arm(point)[:, 3:] - moved.T / (2 * STEP)).max()
+        worst = max(worst, off / np.linalg.norm(point))
+    return worst
 
 
 def _freedoms(case: Case) -> int:
@@ -136,11 +135,10 @@ def _freedoms(case: Case) -> int:
 
 def _sizes(case: Case, s: int) -> tuple[int, int, int, int]:
     """Return coordinates of a rod, all of them, rank of the constraints, size of K of Eq. (22)."""
-    K, _, C = Multipliers(s).matrices(case.mechanism, case.pose)
-    arm = case.mechanism.platform_points[0]
-    rod = limb_selection(0, len(case.mechanism.limbs), s, arm).shape[0]
-    rank = int(np.linalg.matrix_rank(C.toarray()))
-    return rod, K.shape[0], rank, Substructure(s).matrices(case.mechanism, case.pose)[0].shape[0]
+    there = case.mechanism, case.pose
+    (K, _, C), (own, _) = Multipliers(s).matrices(*there), Substructure(s).matrices(*there)
+    rod = limb_selection(0, len(case.mechanism.limbs), s, case.mechanism.platform_points[0])
+    return rod.shape[0], K.shape[0], np.linalg.matrix_rank(C.toarray()).item(), own.shape[0]
 
 
 def _against_multipliers(case: Case) -> tuple[float, float, Array]:
@@ -152,9 +150,9 @@ def _against_multipliers(case: Case) -> tuple[float, float, Array]:
     K, M = (A.toarray() for A in Substructure(s).matrices(robot, case.pose))
     squares, U = scipy.linalg.eigh(K, M, subset_by_index=(0, 5))
     arms = limbs_at(robot, case.pose).arms
-    H = [limb_selection(i, n, s, arm) for i, arm in enumerate(arms)]
-    u = scipy.sparse.vstack([*H, platform_selection(n, s)])
-    u = u @ (independent_coordinates(robot.axes, s) @ U)
+    limbs = [limb_selection(i, n, s, arm) for i, arm in enumerate(arms)]
+    H = scipy.sparse.vstack([*limbs, platform_selection(n, s)])
+    u = H @ (independent_coordinates(robot.axes, s) @ U)
     C = Multipliers(s).matrices(robot, case.pose)[2]
     opened = np.abs(C @ u).max(axis=0) / np.abs(u).max(axis=0)
     rival = Multipliers(s, solver="saddle-point").modes(robot, case.pose, 6).frequencies
@@ -162,5 +160,5 @@ def _against_multipliers(case: Case) -> tuple[float, float, Array]:
     kept = np.delete(np.arange(len(K)), (6 * s - 2) * np.arange(n))
     less = np.ix_(kept, kept)
     clamped = scipy.linalg.eigh(K[less], M[less], eigvals_only=True, subset_by_index=(0, 5))
-    changes = np.sqrt(clamped / squares) - 1
-    return float(opened.max()), float(np.abs(own / rival - 1).max()), np.asarray(changes)
+    changes: Array = np.sqrt(clamped / squares) - 1
+    return opened.max(), np.abs(own / rival - 1).max(), changes

@@ -96,7 +96,7 @@ class Spent:
     @classmethod
     def of(cls, timed: Timed, work: float) -> "Spent":
         """Return what a way took in every round."""
-        return cls(timed.each("seconds"), timed.each("solve"), float(work))
+        return cls(timed.each("seconds"), timed.each("solve"), work)
 
     def over(self, other: "Spent") -> tuple[Array, Array, float]:
         """Return ratios to another: of seconds and of solves, call by call, and of work."""
@@ -158,7 +158,7 @@ class Facts:
         found = match(study, case, PAPER, model)
         assert found is not None, "both have an answer"
         if found.pairing.doubtful.any():
-            lost = 1 + int(np.argmax(found.pairing.doubtful))
+            lost = 1 + np.argmax(found.pairing.doubtful)
             raise UnmeasuredError(f"{model.label}: no mode at {case.name} looks like f{lost}")
         return found.against, np.nan_to_num(found.uncertainty)
 
@@ -218,7 +218,7 @@ class Facts:
         """The shortest and the longest limb of every case and reading."""
         known = {c.name: limbs_at(c.mechanism, c.pose).lengths
                  for c in [*PRESETS.values(), *self.cases]}  # fmt: skip
-        return {name: (float(found.min()), float(found.max())) for name, found in known.items()}
+        return {name: (found.min(), found.max()) for name, found in known.items()}
 
     @cached_property
     def slender(self) -> Any:
@@ -287,31 +287,31 @@ class Facts:
             self.solved += study.rows()
             if modes := study.get(case, solid):
                 whole, solve = np.array([modes.seconds]), np.array([modes.solve_seconds])
-                found[solid.label] = Spent(whole, solve, float(modes.dofs))
+                found[solid.label] = Spent(whole, solve, modes.dofs)
         return found
 
     @cached_property
     def maps(self) -> Any:
         """The regular workspace and f1-f3 of the paper's model in it."""
-        mechanism, limits = self.cases[0].mechanism, Limits()
-        region, limbs = Region.of(mechanism, limits), len(mechanism.limbs)
-        data = whole(region, PAPER, 3, self.bench)
+        mechanism, limits, volumes = self.cases[0].mechanism, Limits(), {}
+        limbs = len(mechanism.limbs)
+        data = whole(Region.of(mechanism, limits), PAPER, 3, self.bench)
         self._sound(data.answers.failures.values())
         self.solved += data.rows()
-        change, volumes = rises(data)[0], {}
+        change, _ = rises(data)
         for angle in LIMIT_ANGLES:
-            held = Limits(spherical_max=np.radians(angle), revolute_max=np.radians(angle))
-            there = region if held == limits else Region.of(mechanism, held)
-            volumes[angle] = (there.cone.volume, there.circles.volume)
+            most = np.radians(angle).item()
+            held = Region.of(mechanism, Limits(spherical_max=most, revolute_max=most))
+            volumes[angle] = held.cone.volume, held.circles.volume
         return SimpleNamespace(
             ripple=largest_ripple(data),  # (3,): largest (max - min) / mean round a circle
             turned=turned(data, limbs),  # largest relative change under a turn from limb to limb
             period=360 / limbs,  # that turn [deg]
-            steps=int(np.isfinite(change).sum()),  # from layer to layer
-            rising=int((change >= 0).sum()),  # those that do not fall
+            steps=np.isfinite(change).sum(),  # from layer to layer
+            rising=(change >= 0).sum(),  # those that do not fall
             z=data.grid.z,  # (n,) [m]
             level=data.frequencies[:, 0, 0, 0],  # f1 of the level platform, (n,) [Hz]
-            limit=float(np.degrees(limits.spherical_max)),  # of the joints [deg]
+            limit=np.degrees(limits.spherical_max),  # of the joints [deg]
             volumes=volumes,  # by limit: of cone, of all circles [rad^2 m]
         )
 

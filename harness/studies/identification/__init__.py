@@ -80,10 +80,10 @@ def run(request: Request, bench: Bench) -> "Identification":
     names, bounds = given["parameters"], given["bounds"]
     chosen = given["candidates"] or (PAPER_CANDIDATES if ours else names)
     frames = FRAMES[given["frames"] or ("both" if ours else "stated")]
+    known = sorted({*names, *chosen})
     for name in bounds:
-        if name not in (*names, *chosen):
-            known = ", ".join(sorted({*names, *chosen}))
-            raise InputError("bounds", name, f"NAME=LOW..HIGH with one of {known}")
+        if name not in known:
+            raise InputError("bounds", name, f"NAME=LOW..HIGH with one of {', '.join(known)}")
     problems = [
         Problem(table, request.theory, names, given["inertia"], slip, bounds) for slip in frames
     ]

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from harness.studies.identification.problem import Problem, letter
 
 LEVEL = 0.95
 """Confidence of every interval."""
-ENDS = ("alone_from", "alone_to", "together_from", "together_to")
+ENDS = ("alone_from", "alone_to", "together_from", "together_to", "at_bound")
 READING_STARTS = 4
 """Starts of each reading's search: there are hundreds of readings."""
 UNSEEN = 1e-6
@@ -55,12 +56,12 @@ class Reading:
         """Which parameters end at a bound, (P,)."""
         low, high = self.problem.limits
         close = 1e-6 * (high - low)
-        return np.asarray((self.x <= low + close) | (self.x >= high - close))
+        return (self.x <= low + close) | (self.x >= high - close)
 
     @property
     def rms(self) -> float:
         """Root mean square of the errors of different values, relative."""
-        return float(np.sqrt(self.sum / self.problem.table.count))
+        return sqrt(self.sum / self.problem.table.count)
 
     @property
     def worst(self) -> float:
@@ -76,7 +77,7 @@ class Reading:
 
     def ends(self, k: int) -> dict[str, Any]:
         """What is known of where the k-th parameter may be, by column."""
-        return {"at_bound": bool(self.held[k])}
+        return {ENDS[-1]: self.held[k]}
 
     def __str__(self) -> str:
         """What its parameters are fitted to; *: at a bound."""
@@ -97,18 +98,6 @@ class Direction(NamedTuple):
         shown = [(letter(n), e) for n, e in self.exponents.items() if abs(e) >= 0.1]
         shown.sort(key=lambda pair: -round(abs(pair[1]), 4))  # equal ones stay in their order
         return " ".join(f"{letter}^{e:.2g}" if round(e, 2) != 1 else letter for letter, e in shown)
-
-
-class Quantity(NamedTuple):
-    """A combination with a name: its `value`, and the 1 sigma deviation of its logarithm.
-
-    `before`, as the bounds of all parameters leave it, and `after` the table is known too.
-    """
-
-    name: str
-    value: float
-    before: float
-    after: float
 
 
 @dataclass(frozen=True)
@@ -143,8 +132,8 @@ class Fit(Reading):
 
     def ends(self, k: int) -> dict[str, Any]:
         """95 % intervals of the k-th parameter alone, and of all together, by column."""
-        found = dict(zip(ENDS, (*self.alone[k], *self.together[k]), strict=True))
-        return {**found, "at_bound": bool(self.open[k].any())}
+        ends = (*self.alone[k], *self.together[k], self.open[k].any())
+        return dict(zip(ENDS, ends, strict=True))
 
     @cached_property
     def _slopes(self) -> tuple[Problem, Array, Array]:
@@ -163,8 +152,8 @@ class Fit(Reading):
         return directions(whole.names, J, self.noise)
 
     @cached_property
-    def quantities(self) -> list[Quantity]:
-        """The named combinations, and how well they are known."""
+    def quantities(self) -> dict[str, tuple[float, float, float]]:
+        """The named combinations, and how well they are known, as `quantities`."""
         return quantities(*self._slopes, self.noise)
 
 
@@ -185,11 +174,9 @@ def fit(
     alone, together = (problem.from_x(at.swapaxes(1, 2)).swapaxes(1, 2) for at, _ in profiles)
     error = problem.frequencies(x) / problem.table.frequencies - 1
     spread = np.sqrt(sums / freedom) if noise is None else np.full(T, noise)
-    return [
-        Fit(problem, x[t], float(sums[t]), error[t], int(reached[t]), alone[t], together[t],
-            profiles[1][1][t], np.array(heights)[:, t], float(spread[t]), noise, freedom)
-        for t in range(T)
-    ]  # fmt: skip
+    each = zip(x, sums.tolist(), error, reached, alone, together, profiles[1][1],
+               np.transpose(heights), spread.tolist(), strict=True)  # fmt: skip
+    return [Fit(*(problem, *found, noise, freedom)) for found in each]
 
 
 def identify(problem: Problem, noise: float | None = None, starts: int = 16, seed: int = 0) -> Fit:
@@ -238,7 +225,7 @@ def sensitivities(
     default of all parameters of the most tilted case that can move: but for the angles if none is
     tilted, and a disc's density, which would only repeat its thickness.
     """
-    k = int(np.argmax([abs(case.pose.tilt) for case in problem.table.cases]))
+    k = np.argmax([abs(case.pose.tilt) for case in problem.table.cases])
     known, tilted = problem.known[k], problem.table.cases[k].pose.tilt
     away = {"platform_density_kg_m3"} | (set() if tilted else {"azimuth_deg", "tilt_deg"})
     names = names or [n for n in sorted(known, key=lambda n: known[n].linear) if n not in away]
@@ -270,12 +257,18 @@ def directions(names: Sequence[str], J: Array, noise: float) -> list[Direction]:
     for size, row, unseen in zip(s, rows, nothing, strict=True):
         largest = row[np.abs(row).argmax()]
         deviation = np.inf if unseen else noise / (size * abs(largest))
-        found.append(Direction(dict(zip(names, row / largest, strict=True)), float(deviation)))
+        found.append(Direction(dict(zip(names, row / largest, strict=True)), deviation))
     return found
 
 
-def quantities(whole: Problem, x: Array, J: Array, noise: float) -> list[Quantity]:
-    """Return the named combinations, with young and density known and all else within bounds."""
+def quantities(
+    whole: Problem, x: Array, J: Array, noise: float
+) -> dict[str, tuple[float, float, float]]:
+    """Return the named combinations, with young and density known and all else within bounds.
+
+    By name the value, and the 1 sigma deviation of its logarithm as the bounds of all parameters
+    leave it, and when the table is known too.
+    """
     low, high = whole.limits
     own = whole.from_x(x)
     keep = [k for k, name in enumerate(whole.names) if name not in ("young_GPa", "density_kg_m3")]
@@ -286,11 +279,11 @@ def quantities(whole: Problem, x: Array, J: Array, noise: float) -> list[Quantit
     steps = np.concatenate([0 * steps[:1], steps, -steps])
     tilted = max(whole.at(dict(zip(whole.names, (own * np.exp(steps)).T, strict=True))),
                  key=lambda values: np.abs(values["tilt_deg"]).max())  # fmt: skip
-    found = []
+    found = {}
     for name, values in whole.groups(tilted).items():
         if values.all():  # without tilt one of them is zero
             up, down = np.split(np.log(np.abs(values[1:])), 2)
             slope = (up - down) / 2e-5
-            before, after = np.sqrt(slope**2 @ prior), np.sqrt(slope @ covariance @ slope)
-            found.append(Quantity(name, float(values[0]), float(before), float(after)))
+            after = np.sqrt(slope @ covariance @ slope)
+            found[name] = values[0], np.sqrt(slope**2 @ prior), after
     return found

@@ -6,6 +6,7 @@ which fit each row belongs to. What is minimised is S, the sum of their squares.
 """
 
 from collections.abc import Callable
+from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,7 +124,7 @@ def search(
     the bounds each fit starts from its best `starts`; after EARLY steps the worse half is left.
     """
     F, P = free.shape
-    count = 2 ** int(np.ceil(np.log2(SAMPLE * starts)))
+    count = 2 ** ceil(log2(SAMPLE * starts))
     unit = qmc.Sobol(P, rng=np.random.default_rng(seed)).random(count)
     sobol = np.where(free[:, None], lower + unit * (upper - lower), base)
     points = np.concatenate([np.broadcast_to(base, (F, 1, P)), sobol], axis=1)
@@ -149,7 +150,7 @@ def rise(level: float, together: int, *, sums: Array, freedom: int, noise: float
     """
     if noise is not None:
         return np.full(len(sums), noise**2 * chi2.ppf(level, together))
-    return np.asarray(sums / freedom * together * f.ppf(level, together, freedom))
+    return sums / freedom * together * f.ppf(level, together, freedom)
 
 
 def profile_ends(

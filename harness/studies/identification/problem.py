@@ -207,12 +207,9 @@ class Problem:
     @cached_property
     def kinds(self) -> list[Parameter]:
         """What each of the names is, in the first case that has it."""
-        each = list(zip(self.owners, self.known, strict=True))
-        own = [name.rpartition(".")[2] for name in self.names]
-        return [
-            next(known[k] for names, known in each if names.get(k) == name)
-            for name, k in zip(self.names, own, strict=True)
-        ]
+        each = zip(self.owners[::-1], self.known[::-1], strict=True)  # the first is the last word
+        at = {name: known[own] for names, known in each for own, name in names.items()}
+        return [at[name] for name in self.names]
 
     @cached_property
     def linear(self) -> NDArray[np.bool_]:
@@ -226,11 +223,11 @@ class Problem:
 
     def to_x(self, values: Array) -> Array:
         """Return x of values (..., P) in the units of the names."""
-        return np.where(self.linear, values, np.log(np.where(self.linear, 1.0, values)))
+        return np.log(values, out=np.array(values), where=~self.linear)
 
     def from_x(self, x: Array) -> Array:
         """Return values (..., P), in the units of the names, of x."""
-        return np.where(self.linear, x, np.exp(np.where(self.linear, 0.0, x)))
+        return np.exp(x, out=np.array(x), where=~self.linear)
 
     @property
     def start(self) -> Array:
@@ -295,13 +292,12 @@ class Problem:
         The fit's `owner` says which row of `observed` it is for; a single row serves all.
         """
         root = np.sqrt(self.table.weights)
-        for case, row in zip(self.table.cases, self.table.frequencies, strict=True):
-            if not self.regular:  # or it says why not, before any fit
-                self.model.frequencies(case.mechanism, case.pose, len(row))
+        for case in () if self.regular else self.table.cases:  # or it says why not, before any fit
+            self.model.frequencies(case.mechanism, case.pose, self.table.frequencies.shape[1])
 
         def residuals(x: Array, owner: NDArray[np.intp]) -> Array:
             own = observed if len(observed) == 1 else observed[owner]
             logs = np.log(self.frequencies(x)).reshape(len(x), len(root))
-            return np.asarray(np.nan_to_num(logs - own, nan=FAR) * root)
+            return np.nan_to_num(logs - own, nan=FAR) * root
 
         return residuals

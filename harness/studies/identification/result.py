@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby, islice
+from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -141,7 +142,7 @@ def simplest(ranked: Sequence[Reading]) -> Reading:
 def closest_note(ranked: Sequence[Reading]) -> str:
     """Return in words how near the closest reading comes to all values."""
     table, closest = ranked[0].problem.table, min(r.worst for r in ranked)
-    rounding = 50 * float((table.step / table.frequencies).max())
+    rounding = 50 * (table.step / table.frequencies).max()
     if closest <= rounding:
         return "the closest meets every value to its last digit"
     return (
@@ -186,7 +187,7 @@ def parameters_table(fits: Sequence[Fit]) -> Table:
 
 def _number(value: float) -> Number:
     """Return a number with four digits, but at most four decimals."""
-    digits = max(0, 3 - int(np.floor(np.log10(abs(value))))) if value else 3
+    digits = max(0, 3 - floor(log10(abs(value)))) if value else 3
     return Number(float(value), min(digits, 4))
 
 
@@ -222,7 +223,7 @@ def quantities_table(one: Fit) -> Table:
     """Return the named combinations, and how well each is known."""
     rows = tuple(
         (name, Number(value, 4), Number(100 * before, 1), Number(100 * after, 1), _verdict(after))
-        for name, value, before, after in one.quantities
+        for name, (value, before, after) in one.quantities.items()
     )
     notes = (
         f"{one.problem.label}; E and rho as given, all else free within its bounds",
@@ -238,15 +239,15 @@ def _verdict(deviation: float) -> str:
 
 def _pinned(one: Fit) -> list[str]:
     """Return d / L^2 with its interval, beside what the given parameters make it."""
-    (found,) = (q for q in one.quantities if q.name == PINNED)
+    value, _, deviation = one.quantities[PINNED]
     likely = stats.t(one.freedom) if one.assumed is None else stats.norm
-    spread = np.exp(likely.ppf((1 + LEVEL) / 2) * found.after)
+    spread = np.exp(likely.ppf((1 + LEVEL) / 2) * deviation)
     stated = (one.problem.groups(base)[PINNED].item() for base in one.problem.at({}))
-    given = " and ".join(dict.fromkeys(f"{value:.4f}" for value in stated))
+    given = " and ".join(dict.fromkeys(f"{own:.4f}" for own in stated))
     return [
-        f"By {one.problem.table.source}, the limbs' d/L^2 is {found.value:.4f} 1/m "
-        f"({found.value / spread:.4f} to {found.value * spread:.4f} at {PERCENT}, E and rho as "
-        f"given); the given parameters make it {given} 1/m."
+        f"By {one.problem.table.source}, the limbs' d/L^2 is {value:.4f} 1/m ({value / spread:.4f} "
+        f"to {value * spread:.4f} at {PERCENT}, E and rho as given); the given parameters make it "
+        f"{given} 1/m."
     ]
 
 

@@ -4,16 +4,16 @@ import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+from math import sqrt
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analytic import InputError
 from harness.case import Case
 from harness.cases import PRESETS
+from harness.signatures import Array
 
-Floats = NDArray[np.float64]
 COLUMNS = "rows under the columns case, f1, f2, ..."
 
 
@@ -27,16 +27,16 @@ class FrequencyTable:
 
     source: str
     cases: tuple[Case, ...]
-    frequencies: Floats
-    step: Floats
+    frequencies: Array
+    step: Array
 
     @property
-    def logarithms(self) -> Floats:
+    def logarithms(self) -> Array:
         """ln f, shape (cases * modes,)."""
-        return np.asarray(np.log(self.frequencies).ravel())
+        return np.log(self.frequencies).ravel()
 
     @property
-    def weights(self) -> Floats:
+    def weights(self) -> Array:
         """What each value counts, (cases * modes,).
 
         Two neighbours printed alike, to one unit of the last digit, are one repeated mode of a
@@ -44,9 +44,9 @@ class FrequencyTable:
         """
         f = self.frequencies
         twins = np.diff(f, axis=1) <= 1.001 * self.step[:, 1:]
-        group = np.concatenate([np.zeros((len(f), 1)), np.cumsum(~twins, axis=1)], axis=1)
-        sizes = (group[:, :, None] == group[:, None, :]).sum(axis=2)
-        return np.asarray((1 / sizes).ravel())
+        group = np.insert(np.cumsum(~twins, axis=1), 0, 0, axis=1)
+        sizes: Array = (group[:, :, None] == group[:, None, :]).sum(axis=2, dtype=float)
+        return 1 / sizes.ravel()
 
     @property
     def count(self) -> int:
@@ -56,7 +56,7 @@ class FrequencyTable:
     @property
     def rounding(self) -> float:
         """The relative standard deviation that rounding alone gives a value."""
-        return float(np.sqrt(np.mean((self.step / self.frequencies) ** 2) / 12))
+        return sqrt(np.mean((self.step / self.frequencies) ** 2) / 12)
 
 
 def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
@@ -71,21 +71,17 @@ def published_table(method: str, cases: Sequence[Case]) -> FrequencyTable:
     chosen = known[0] if len(known) == 1 else method
     if chosen not in known:
         raise InputError("method", method, f"one of {', '.join(known)}")
-    rows = [
-        sorted((p for p in case.printed if p.method == chosen), key=lambda p: p.mode)
-        for case in cases
-    ]
+    ordered = [sorted(case.printed, key=lambda p: p.mode) for case in cases]
+    rows = [[p for p in row if p.method == chosen] for row in ordered]
     count = min(map(len, rows))
     for case, row in zip(cases, rows, strict=True):
         if not count or [p.mode for p in row[:count]] != list(range(1, count + 1)):
             expected = "modes from 1 on, none left out, of every case"
             raise InputError("table", case.name, expected)
-    f = np.array([[p.frequency for p in row[:count]] for row in rows])
-    step = np.array([[2 * p.half for p in row[:count]] for row in rows])
-    papers = ", ".join(
-        dict.fromkeys(case.paper.called or case.paper.name for case in cases if case.paper)
-    )
-    return FrequencyTable(f"{papers}, row {chosen}", tuple(cases), f, step)
+    values = np.array([[(p.frequency, 2 * p.half) for p in row[:count]] for row in rows])
+    papers = dict.fromkeys(case.paper.called or case.paper.name for case in cases if case.paper)
+    source = f"{', '.join(papers)}, row {chosen}"
+    return FrequencyTable(source, tuple(cases), values[..., 0], values[..., 1])
 
 
 def read_table(path: Path, method: str | None, cases: Sequence[Case]) -> FrequencyTable:
