@@ -5,8 +5,10 @@ that may crash is timed inside its own process: handing the answer over is no co
 """
 
 import gc
-from collections.abc import Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from timeit import timeit
 from typing import Any
 
@@ -107,18 +109,16 @@ class Call:
         """Return what they took."""
         model, poses = self.way.model, self.way.poses
         shifted = [
-            [replace(pose, z=pose.z + SHIFT * (self.first + k)) for _, pose in self.places]
+            [(mechanism, replace(pose, z=pose.z + SHIFT * (self.first + k)))
+             for mechanism, pose in self.places]
             for k in range(self.number)
-        ]
+        ]  # fmt: skip
         ask = model.frequencies if poses else model.modes
         said, answers = np.zeros(2), list[Any]()
 
         def run() -> None:
             for at in shifted:
-                answers[:] = (
-                    ask(mechanism, pose, self.count)
-                    for (mechanism, _), pose in zip(self.places, at, strict=True)
-                )
+                answers[:] = (ask(mechanism, pose, self.count) for mechanism, pose in at)
                 for one in answers:
                     np.add(said, [getattr(one, name, np.nan) for name in SAID], out=said)
 
@@ -128,8 +128,8 @@ class Call:
         each = self.number * len(self.places) * max(1, poses)
         firsts = (a if isinstance(a, Modes) else np.atleast_2d(np.asarray(a))[0] for a in answers)
         phases = {name: spent / each for name, spent in record.seconds.items()}
-        build, solve = said / each
-        return Spent(seconds / each, float(build), float(solve), tuple(firsts), phases)
+        build, solve = (said / each).tolist()
+        return Spent(seconds / each, build, solve, tuple(firsts), phases)
 
 
 @dataclass(frozen=True)
@@ -164,11 +164,6 @@ class Timed:
         """The coordinates solved for, where the answer says so."""
         return getattr(self.answers[0], "dofs", None)
 
-    def frequencies(self, place: int) -> Array:
-        """Return the frequencies at a place [Hz]."""
-        found = self.answers[place]
-        return found.frequencies if isinstance(found, Modes) else found
-
 
 @dataclass(frozen=True)
 class Timings:
@@ -185,100 +180,78 @@ class Timings:
     rounds: int
 
 
-@dataclass
-class _Running:
-    """A way under way, with what all its calls took."""
-
-    bench: Bench
-    way: Way
-    places: Places
-    count: int
-    spent: list[Spent] = field(default_factory=list)
-    calls: int = 0
-
-    @property
-    def seconds(self) -> float:
-        """What the last call took at all places."""
-        return self.spent[-1].seconds * len(self.places) * max(1, self.way.poses)
-
-    def call(self, number: int = 1) -> Failure | None:
-        """Make `number` calls; return why there is no answer, None if there is one."""
-        task = Call(self.way, self.places, self.count, number, self.calls)
-        self.calls += number
-        found = self.bench.call(task, self.way.model.info().isolated)
-        if isinstance(found, Failure):
-            return found
-        assert isinstance(found, Spent)
-        self.spent.append(found)
-        return None
-
-    def sample(self, k: int) -> None:
-        """Time the way in round `k`, unless that takes too long."""
-        if self.seconds <= SLOW or (self.seconds <= ENDLESS and k < FEW):
-            self.call(max(1, int(SAMPLE / self.seconds)))
-
-    def timed(self) -> Timed:
-        first, second, *rounds = self.spent
-        return Timed(self.way, first, tuple(rounds or [second]))
-
-
 def time_ways(
     bench: Bench,
     ways: Sequence[Way],
     cases: Sequence[Case],
     rounds: int,
     count: int,
-    yardsticks: dict[str, Any] | None = None,
+    yardsticks: Mapping[str, tuple[Callable[[], Any], int]] | None = None,
 ) -> Timings:
-    """Time every way at every case in `rounds` rounds; `yardsticks` are calls without arguments.
+    """Time every way at every case in `rounds` rounds, beside `yardsticks`: a call, and how many
+    solutions it makes.
 
     A way of many poses a call takes the case's own pose first and others after it. Larger
     sizes of a method are left out once a call takes longer than `LONG`, more poses a call once one
     takes longer than `LONG_BATCH`.
     """
-    left_out: dict[str, str] = {}
-    failures: dict[str, str] = {}
+    calls, spent = Counter[Way](), defaultdict[Way, list[Spent]](list)
+
+    @cache
+    def places(many: int) -> Places:
+        return tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)
+
+    def call(way: Way, number: int = 1) -> Failure | None:
+        """Make `number` calls; return why there is no answer, None if there is one."""
+        task = Call(way, places(way.poses), count, number, calls[way])
+        calls[way] += number
+        found = bench.call(task, way.model.info().isolated)
+        if isinstance(found, Failure):
+            return found
+        assert isinstance(found, Spent)
+        spent[way].append(found)
+        return None
+
+    def last(way: Way) -> float:
+        """Return what the last call took at all places."""
+        return spent[way][-1].seconds * len(cases) * max(1, way.poses)
+
+    left_out, failures = dict[str, str](), dict[str, str]()
     yards: dict[str, list[float]] = {name: [] for name in yardsticks or {}}
     bench.listener.expect(len(ways) + rounds)
-    running: list[_Running] = []
-    stopped: set[str] = set()
+    running, stopped = list[Way](), set[str]()
     for way in ways:
-        unfit, batch = _unfit(way.model), way.poses > 1
+        unfit, batch, name = _unfit(way.model), way.poses > 1, label(way.model)
         # More elements of a method, or more poses of a model, would take longer still.
-        key = f"{label(way.model)}, many poses a call" if batch else way.method
+        key = f"{name}, many poses a call" if batch else way.method
         if unfit:
             left_out[way.method] = f"not with s = {way.size} ({unfit})"
         elif key not in stopped:
-            many = way.poses
-            places = tuple((c.mechanism, poses_around(c, many) if many else c.pose) for c in cases)
-            one = _Running(bench, way, places, count)
             # What the first call loads or compiles is no cost of the method.
-            why = one.call() or one.call()
+            why = call(way) or call(way)
             if why is not None and why.refused:
                 left_out[key] = why.reason
             elif why is not None:
-                failures[f"{label(way.model)} at {', '.join(c.name for c in cases)}"] = why.reason
+                failures[f"{name} at {', '.join(c.name for c in cases)}"] = why.reason
             else:
-                running.append(one)
-                if one.seconds > (LONG_BATCH if batch else LONG):
+                running.append(way)
+                if last(way) > (LONG_BATCH if batch else LONG):
                     stopped.add(key)
-                    most, what = (many, "call") if batch else (way.size, "pose")
-                    spent = one.seconds / len(cases)
-                    left_out[key] = f"not beyond {most}: {spent:.1f} s a {what}"
+                    most, what = (way.poses, "call") if batch else (way.size, "pose")
+                    left_out[key] = f"not beyond {most}: {last(way) / len(cases):.1f} s a {what}"
         bench.listener.done(f"{way.method}, {way.size}")
     for k in range(rounds):
-        for name, run in (yardsticks or {}).items():
-            yards[name].append(_seconds(run))
-        for one in running:
-            one.sample(k)
+        for name, (run, solutions) in (yardsticks or {}).items():
+            number = max(1, int(SAMPLE / timeit(run, number=1)))
+            yards[name].append(timeit(run, number=number) / number / solutions)
+        for way in running:
+            if last(way) <= SLOW or (last(way) <= ENDLESS and k < FEW):
+                call(way, max(1, int(SAMPLE / last(way))))
         bench.listener.done(f"round {k + 1}")
-    return Timings(
-        tuple(one.timed() for one in running),
-        {name: np.array(values) for name, values in yards.items()},
-        left_out,
-        failures,
-        rounds,
-    )
+    # The first call loads and compiles, the second counts only where there is no other.
+    timed = (Timed(way, spent[way][0], tuple(spent[way][2:] or spent[way][1:])) for way in running)
+    arrays = {name: np.array(values) for name, values in yards.items()}
+    return Timings(tuple(timed), arrays, left_out, failures, rounds)
 
 
 def _unfit(model: Model) -> str:
@@ -298,8 +271,7 @@ def poses_around(case: Case, count: int) -> Pose:
     Heights 0.8 to 1.3 times the case's, any azimuth, tilts to 20 degrees; a pose that the joints
     do not reach has the case's own azimuth and tilt, and then its height. All else is the case's.
     """
-    random = np.random.default_rng(0)
-    pose = case.pose
+    random, pose = np.random.default_rng(0), case.pose
     z = pose.z * random.uniform(0.8, 1.3, count)
     azimuth = random.uniform(-np.pi, np.pi, count)
     tilt = np.radians(random.uniform(-20, 20, count))
@@ -310,9 +282,3 @@ def poses_around(case: Case, count: int) -> Pose:
     far = ~closes(case.mechanism, Pose(z, azimuth, tilt, *rest))
     z[far] = pose.z
     return Pose(z, azimuth, tilt, *rest)
-
-
-def _seconds(run: Any) -> float:
-    """Return the seconds of a call, repeated until they fill `SAMPLE`."""
-    number = max(1, int(SAMPLE / timeit(run, number=1)))
-    return timeit(run, number=number) / number

@@ -24,7 +24,7 @@ def unbeaten(points: Iterable[T], key: Callable[[T], tuple[float, float]]) -> li
 
 
 @dataclass(frozen=True)
-class Point:
+class Mark:
     """A way at `x` and `y` of a picture, and its `name`; those of one `curve` are joined."""
 
     x: float
@@ -33,41 +33,39 @@ class Point:
     curve: str = ""
 
 
-def draw_rest(axes: Axes, points: Sequence[Point]) -> None:
-    """Draw all points faintly, those of a curve joined."""
-    for curve in dict.fromkeys(p.curve for p in points):
-        own = sorted((p.x, p.y) for p in points if p.curve == curve)
+def draw_rest(axes: Axes, marks: Sequence[Mark]) -> None:
+    """Draw all marks faintly, those of a curve joined."""
+    for curve in dict.fromkeys(mark.curve for mark in marks):
+        own = sorted((mark.x, mark.y) for mark in marks if mark.curve == curve)
         axes.plot(*zip(*own, strict=True), "o-" if curve else "o", color="0.82", ms=3, lw=0.8)
 
 
 def draw_front(
     axes: Axes,
-    points: Sequence[Point],
+    front: Sequence[Mark],
     colour: str,
     *,
     right: bool = False,
     rises: bool = False,
     thin: bool = False,
 ) -> None:
-    """Draw what nothing beats, joined, each way named at its last point beside the curve.
+    """Draw what nothing beats, joined, each way named at its last mark beside the curve.
 
     Names stand below the curve to their left, or above it to their `right`; the other way round
     where it `rises`. Of close neighbours names stand under each other; `thin` leaves out those that
     are hardly better than the last one named.
     """
-    steps = "steps-post" if thin else "default"
-    axes.plot([p.x for p in points], [p.y for p in points], "o-", color=colour, ms=5, lw=1.4,
-              drawstyle=steps)  # fmt: skip
+    axes.plot([mark.x for mark in front], [mark.y for mark in front], "o-", color=colour, ms=5,
+              lw=1.4, drawstyle="steps-post" if thin else "default")  # fmt: skip
+    side, edge, up = "left" if right else "right", 6 if right else -6, right != rises
     below, before = 0, None
-    for p in {p.name: p for p in points}.values():
-        if thin and before and p.y > before.y / BETTER:
+    for mark in {mark.name: mark for mark in front}.values():
+        if thin and before and mark.y > before.y / BETTER:
             continue
-        close = before and p.x < CLOSE * before.x and 1 / CLOSE < p.y / before.y < CLOSE
-        below, before = below + 1 if close else 0, p
-        above = right != rises
+        close = before and mark.x < CLOSE * before.x and 1 / CLOSE < mark.y / before.y < CLOSE
+        below, before = below + 1 if close else 0, mark
         axes.annotate(
-            p.name.replace("[", "\n["), (p.x, p.y),
-            xytext=(6 if right else -6, (2 if above else -2) - 9 * below),
-            textcoords="offset points", fontsize=7, color=colour,
-            ha="left" if right else "right", va="bottom" if above else "top",
+            mark.name.replace("[", "\n["), (mark.x, mark.y), fontsize=7, color=colour, ha=side,
+            xytext=(edge, (2 if up else -2) - 9 * below), textcoords="offset points",
+            va="bottom" if up else "top",
         )  # fmt: skip

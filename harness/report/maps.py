@@ -12,7 +12,7 @@ from harness.report.material import Material
 from harness.report.recorded import Recorded, Rows
 from harness.report.section import Json, Section, digits, shown
 from harness.rows import GATE, MAP
-from harness.studies.workspace.plane import PlaneMap
+from harness.studies.workspace import PlaneMap
 
 OWN = "this run"
 MOST = 60_000

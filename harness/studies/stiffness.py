@@ -16,7 +16,8 @@ from harness.poses import cells, columns, headings, named, used
 from harness.request import Option, Request
 from harness.result import Result
 from harness.signatures import Array, Figure
-from harness.studies.workspace.plane import MANY, OPTION, Plane
+from harness.studies.workspace import MANY, OPTION
+from harness.studies.workspace.map import Plane
 from harness.tables import Number, Row, Table
 
 TAKES = ("cases", "case_file", "shear")
@@ -200,11 +201,13 @@ def part_name(item: int, what: str, thing: object) -> str:
 
 
 def _map_figure(maps: tuple[Map, ...]) -> Figure:
+    from harness.studies.workspace.figures import over_plane
+
     figure, grid = panels("Stiffness in the softest direction", 1, len(maps), (4.6, 3.4))
     for axes, one in zip(grid[0], maps, strict=True):
         axes.set_title(one.case.heading, fontsize=10)
         if one.plane:
-            drawn = one.plane.filled(axes, FORCE * one.plane.spread(one.force))
+            drawn = over_plane(axes, one.plane, FORCE * one.plane.spread(one.force))
             figure.colorbar(drawn, ax=axes, label="[N/um]")
             continue
         lean = np.degrees(np.arccos(np.clip(one.poses.rotation[..., 2, 2], -1, 1)))

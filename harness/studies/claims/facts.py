@@ -209,7 +209,7 @@ class Facts:
             poses = Pose(self.scan_z, case.pose.azimuth, case.pose.tilt)
             answers = solve(PAPER, case.mechanism, poses, MODES, self.bench)
             self._sound(answers.failures.values())
-            self.solved += answers.rows(PAPER, case.mechanism, poses)
+            self.solved += answers.rows()
             scan[case.name] = answers.frequencies
         return scan
 
@@ -297,7 +297,7 @@ class Facts:
         limbs = len(mechanism.limbs)
         data = whole(Region.of(mechanism, limits), PAPER, 3, self.bench)
         self._sound(data.answers.failures.values())
-        self.solved += data.rows()
+        self.solved += data.answers.rows()
         change, _ = rises(data)
         for angle in LIMIT_ANGLES:
             most = np.radians(angle).item()

@@ -8,30 +8,43 @@ from typing import Any
 import numpy as np
 import scipy
 
-from analytic import InputError, Substructure
-from harness.bench import Bench
+from analytic import InputError
+from analytic.kernel import compiled
+from harness.bench import Bench, label
 from harness.case import Case
-from harness.compare import cell, cells
+from harness.columns import laid_out
+from harness.compare import cell
+from harness.figures import COLOURS, panels
 from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Plan, Request, whole
 from harness.result import Result
 from harness.signatures import Array, Figure
-from harness.studies.cost.cores import Throughput, cores_table, throughput
-from harness.studies.cost.growth import growth_table
-from harness.studies.cost.peers import Peers, measured, peers_table
-from harness.studies.cost.ratios import Ratio, ratios, ratios_table
-from harness.studies.cost.simulators import simulators_table
-from harness.studies.cost.work import counted, work_table
+from harness.studies.cost.measured import (
+    Call,
+    Peers,
+    Ratio,
+    Throughput,
+    cores_table,
+    dense_pair,
+    eigh_of,
+    measured,
+    peers_table,
+    quartiles,
+    ratios,
+    ratios_table,
+    simulators_table,
+    throughput,
+)
+from harness.studies.cost.work import counted, growth_table, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Table
 from harness.timing import Timed, Timings, Way, time_ways
+from harness.unbeaten import Mark, draw_front, draw_rest, unbeaten
 from reference_models import Named
 
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 MATRICES = 10_000
-PLAINLY = (("fast", False),)
-"""What keeps many poses from the compiled loop."""
 MOST_POSES = 1_000_000
 LONG_SHARE = 60.0
 """No core is given more poses than it solves in this time [s]."""
@@ -66,19 +79,19 @@ class Cost(Result):
     case: Case
     theory: Named
     timings: Timings
-    plain: tuple[Ratio, ...]
-    many: tuple[Throughput, ...]
+    plain: list[Ratio]
+    many: list[Throughput]
     peers: Peers
 
     @property
-    def elements(self) -> tuple[Timed, ...]:
+    def elements(self) -> list[Timed]:
         """What was timed one pose a call, with its modes."""
-        return tuple(t for t in self.timings.timed if not t.way.poses and t is not self.stand_in)
+        return [t for t in self.timings.timed if not t.way.poses and t is not self.stand_in]
 
     @property
-    def batches(self) -> tuple[Timed, ...]:
+    def batches(self) -> list[Timed]:
         """What was timed without modes, one pose a call or many."""
-        return tuple(t for t in self.timings.timed if t.way.poses)
+        return [t for t in self.timings.timed if t.way.poses]
 
     @property
     def stand_in(self) -> Timed | None:
@@ -86,25 +99,30 @@ class Cost(Result):
         two = (t for t in self.timings.timed if isinstance(t.way.model.elements, tuple))
         return next(two, None)
 
+    @property
+    def steps(self) -> list[int]:
+        """The numbers of elements that were timed, ascending."""
+        return sorted({s for t in self.elements if isinstance(s := t.way.model.elements, int)})
+
     def ratios(self, one: Timed, yardstick: str) -> Array:
         """Return seconds a pose in times of a yardstick of the same round."""
-        yard = self.timings.yardsticks[yardstick]
-        return one.each("seconds") / yard[: len(one.rounds)]
+        return one.each("seconds") / self.timings.yardsticks[yardstick][: len(one.rounds)]
+
+    def ratio(self, one: Timed, yardstick: str) -> float:
+        """Return the median of `ratios`."""
+        return float(np.median(self.ratios(one, yardstick)))
 
     def at(self, method: str, size: int | None = PAPER_ELEMENTS) -> Timed | None:
         """Return what one method took with `size` elements, or None."""
-        found = (
-            t for t in self.elements if t.way.method == method and t.way.model.elements == size
+        asked = (method, size)
+        return next(
+            (t for t in self.elements if (t.way.method, t.way.model.elements) == asked), None
         )
-        return next(found, None)
 
     def rivals(self) -> dict[str, Timed]:
         """Return what multipliers took with the paper's number of elements, by solver."""
-        ways = {
-            solver: Way(Named("multipliers", None, (("solver", solver),))) for solver in SOLVERS
-        }
-        found = {solver: self.at(way.method) for solver, way in ways.items()}
-        return {solver: one for solver, one in found.items() if one is not None}
+        found = {name: self.at(Way(model).method) for name, model in _rivals().items()}
+        return {name: one for name, one in found.items() if one is not None}
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a way and round: seconds a pose, and its parts."""
@@ -133,104 +151,129 @@ class Cost(Result):
 
     def _elements_table(self) -> Table:
         parts = ("build", "solve", "rest")
-        rows = tuple(
-            (t.way.method, t.way.size, "-" if t.dofs is None else t.dofs,
-             *cells(1e3 * _quartiles(t), 3), *cells((1e3 * t.median(name) for name in parts), 3),
-             Number(float(np.median(self.ratios(t, YARDSTICK))), 2))
+        rows = (
+            (t.way.method, t.way.size, t.dofs, *(1e3 * quartiles(t.each("seconds"))),
+             *(1e3 * t.median(part) for part in parts), self.ratio(t, YARDSTICK))
             for t in self.elements
         )  # fmt: skip
-        columns = ("Model", "s", "dofs", "median [ms]", "q1 [ms]", "q3 [ms]",
-                   *(f"{name} [ms]" for name in parts), "ratio")  # fmt: skip
-        yard = float(np.median(self.timings.yardsticks[YARDSTICK]))
+        columns: dict[str, int | None] = {"Model": None, "s": None, "dofs": None}
+        columns |= {f"{name} [ms]": 3 for name in ("median", "q1", "q3", *parts)} | {"ratio": 2}
+        yard = np.median(self.timings.yardsticks[YARDSTICK])
         notes = (
             f"ratio: to {YARDSTICK}, {1e3 * yard:.3f} ms here",
             "build: the matrices; solve: the eigen-solution; rest: shapes, and what the "
             "interpreter adds; a median each",
-            *self._circumstances(),
+            self._circumstances,
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
         )
-        return Table("Cost of one pose against the number of elements", columns, rows, notes)
-
-    @property
-    def steps(self) -> list[int]:
-        """The numbers of elements that were timed, ascending."""
-        return sorted({s for t in self.elements if isinstance(s := t.way.model.elements, int)})
+        return laid_out("Cost of one pose against the number of elements", columns, rows, notes)
 
     def _batches_table(self) -> Table:
-        rows = tuple(
-            (replace(t.way, poses=0).method, t.way.size, t.way.poses,
-             *cells(1e6 * _quartiles(t)), Number(float(np.median(self.ratios(t, FLOOR))), 2))
+        rows = (
+            (_alone(t), t.way.size, t.way.poses, *(1e6 * quartiles(t.each("seconds"))),
+             self.ratio(t, FLOOR))
             for t in self.batches
         )  # fmt: skip
-        columns = ("Model", "s", "poses a call", "median [us]", "q1 [us]", "q3 [us]", "6x6 eigh")
-        floor = float(np.median(self.timings.yardsticks[FLOOR]))
-        notes = (f"all a pose; 6x6 eigh: ratio to {FLOOR}, {1e6 * floor:.2f} us here",
-                 *self._circumstances())  # fmt: skip
+        columns = {"Model": None, "s": None, "poses a call": None,
+                   "median [us]": 2, "q1 [us]": 2, "q3 [us]": 2, "6x6 eigh": 2}  # fmt: skip
+        floor = 1e6 * np.median(self.timings.yardsticks[FLOOR])
+        note = f"all a pose; 6x6 eigh: ratio to {FLOOR}, {floor:.2f} us here"
         title = "Cost of a pose against the number of poses a call"
-        return Table(title, columns, rows, notes)
+        return laid_out(title, columns, rows, (note, self._circumstances))
 
     def _claims_table(self, said: Mapping[str, float]) -> Table:
         """Return what the paper claims next to what this run measured."""
-        own, rows = self.at(self.theory.name), list[tuple[Cell, ...]]()
+        own, rows = self.at(self.theory.name), list[tuple[Any, ...]]()
         rivals = [(one.way.method, one) for one in self.rivals().values()]
         both = [("theoretical model", own), ("finite-element model", self.stand_in)]
         for claim, one in (*both, *rivals):
             if own is None or one is None:
                 continue
-            printed = cell(said.get(claim, np.nan))
-            rows.append((claim, "s", printed, Number(one.median(), 4), _named(one)))
+            mine, its = (f"{t.way.method}, s={t.way.size}" for t in (own, one))
+            rows.append((claim, "s", cell(said.get(claim, np.nan)), Number(one.median(), 4), its))
             if one is not own:
                 pairs = zip(own.each("seconds"), one.each("seconds"), strict=False)
-                saved = 100 * float(np.median([1 - a / b for a, b in pairs]))
+                saved = 100 * np.median([1 - a / b for a, b in pairs])
                 printed = cell(said.get("cost saved", np.nan) if one is self.stand_in else np.nan)
-                about = f"cost saved against {_named(one)}"
-                rows.append((about, "%", printed, Number(saved, 2), _named(own)))
-        columns = ("Claim", "Unit", "Paper", "Here", "What was measured")
+                rows.append((f"cost saved against {its}", "%", printed, Number(saved, 2), mine))
+        columns = {
+            "Claim": None,
+            "Unit": None,
+            "Paper": None,
+            "Here": None,
+            "What was measured": None,
+        }
         notes = (
             "the paper compares with finite elements (ANSYS) alone and says neither on what "
             "machine nor what the times include; it gives no time with multipliers",
-            *self._circumstances(),
+            self._circumstances,
         )
-        title = "What the paper claims, and what was measured"
-        return Table(title, columns, tuple(rows), notes)
+        return laid_out("What the paper claims, and what was measured", columns, rows, notes)
 
-    def _circumstances(self) -> tuple[str, ...]:
+    @property
+    def _circumstances(self) -> str:
         return (
             f"{self.case.name}, {self.timings.rounds} rounds of everything, one BLAS thread; "
-            f"numpy {np.__version__}, scipy {scipy.__version__}",
+            f"numpy {np.__version__}, scipy {scipy.__version__}"
         )
 
     def figures(self) -> dict[str, Figure]:
-        """Return (a) one pose against elements and (b) a pose against batch size."""
-        from harness.studies.cost.figure import cost_figure
+        """Return (a) one pose against elements and (b) a pose against poses a call, both log-log.
 
-        return {"": cost_figure(self)}
+        Ways that nothing beats are named: in (a) more elements for less time win, in (b) fewer
+        poses a call. (a) joins a method's numbers of elements, (b) a model's numbers of poses.
+        """
+        title = "Ways that nothing beats; grey: all others"
+        heads = (f"modes of one pose, {YARDSTICK} = 1", f"frequencies, {FLOOR} = 1")
+        figure, ((left, right),) = panels(title, 1, 2, (5.8, 5.4), heads)
+        single, far = list[Mark](), 2 * max(self.steps)
+        for t in self.elements:
+            name, s, ratio = t.way.method, t.way.model.elements, self.ratio(t, YARDSTICK)
+            assert not isinstance(s, tuple), "it would stand for the paper's finite elements"
+            single.append(
+                Mark(far, ratio, f"{name}, exact", label(t.way.model)) if s is None
+                else Mark(s, ratio, name, name)
+            )  # fmt: skip
+        batched = [
+            Mark(t.way.poses, self.ratio(t, FLOOR), _alone(t), label(t.way.model))
+            for t in self.batches
+        ]
+        draw_rest(left, single)
+        draw_front(left, unbeaten(single, lambda p: (p.y, -p.x)), COLOURS[0], rises=True)
+        draw_rest(right, batched)
+        draw_front(right, unbeaten(batched, lambda p: (p.x, p.y)), COLOURS[3])
+        for axes, what in ((left, "one"), (right, "a")):
+            axes.set(xscale="log", yscale="log", ylabel=f"time of {what} pose / yardstick")
+            axes.title.set_fontsize(9)
+            axes.margins(x=0.2, y=0.12)
+            axes.grid(alpha=0.25)
+        left.set_xticks([*self.steps, far], [*map(str, self.steps), "exact"])
+        left.set_xticks([], minor=True)
+        left.set_xlabel("number of elements $s$")
+        right.set_xlabel("poses a call")
+        return {"": figure}
 
     def sentences(self) -> list[str]:
         """Return what a pose costs in large batches, and what multipliers cost beside it."""
-        lines = []
         size = max((t.way.poses for t in self.batches), default=0)
-        exact = [t for t in self.batches if t.way.poses == size and t.way.size == "exact"]
-        if exact:
-            each = "; ".join(
-                f"{t.way.method}: {np.median(self.ratios(t, FLOOR)):.1f} "
-                f"({1e6 * t.median():.0f} us)"
-                for t in exact
-            )
-            lines.append(f"A pose costs, in times of one 6x6 numpy.linalg.eigh: {each}.")
+        each = "; ".join(
+            f"{t.way.method}: {self.ratio(t, FLOOR):.1f} ({1e6 * t.median():.0f} us)"
+            for t in self.batches if (t.way.poses, t.way.size) == (size, "exact")
+        )  # fmt: skip
         own = self.at(self.theory.name)
-        return lines if own is None else lines + [
-            f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) takes "
-            f"{rival.median() / own.median():.2f} times as long as the paper's, its eigen-solution "
-            f"{rival.median('solve') / own.median('solve'):.2f} times, its counted operations "
-            f"{self.operations(solver):.2f} times."
-            for solver, rival in self.rivals().items()
+        return [
+            *([f"A pose costs, in times of one 6x6 numpy.linalg.eigh: {each}."] if each else []),
+            *(f"At s = {PAPER_ELEMENTS} the formulation with multipliers ({solver}) takes "
+              f"{rival.median() / own.median():.2f} times as long as the paper's, its "
+              f"eigen-solution {rival.median('solve') / own.median('solve'):.2f} times, "
+              f"its counted operations {self.operations(solver):.2f} times."
+              for solver, rival in self.rivals().items() if own is not None),
         ]  # fmt: skip
 
     def operations(self, formulation: str, s: int = PAPER_ELEMENTS) -> float:
         """Return counted operations of a formulation in times of the paper's."""
-        own = counted("paper", s, self.case)
-        return counted(formulation, s, self.case).flops / own.flops
+        paper, one = (counted(name, s, self.case).flops for name in ("paper", formulation))
+        return one / paper
 
     def rows(self) -> list[dict[str, Any]]:
         """Return a row a way and mode for the history."""
@@ -254,50 +297,43 @@ def measure(
     """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always one of them."""
     steps = sorted({*elements, PAPER_ELEMENTS})
     # Of limbs of any chain there is one solver, and no compiled loop.
-    alone = not case.mechanism.simple
-    solvers = () if alone else ("dense", "sparse")
+    simple, limit = case.mechanism.simple, theory.limit()
+    solvers = [(("solver", name),) for name in ("dense", "sparse")] if simple else []
     kinds = [
-        theory, *(replace(theory, settings=(*theory.settings, ("solver", s))) for s in solvers),
-        *(Named("multipliers", None, (("solver", solver),)) for solver in SOLVERS),
+        theory, *(replace(theory, settings=(*theory.settings, *own)) for own in solvers),
+        *_rivals().values(),
     ]  # fmt: skip
-    ways = [Way(replace(kind, elements=s)) for kind in kinds for s in steps]
-    loops = [Named("condensed", None, settings) for settings in _loops()[: 1 if alone else None]]
-    ways += [Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)]
-    limit = theory.limit()
-    ways += [Way(limit)] if limit is not None else []
+    fast = [(("fast", True),)] if simple and compiled() else []
+    loops = [Named("condensed", None, settings) for settings in ((), *fast)]
+    ways = [
+        *(Way(replace(kind, elements=s)) for kind in kinds for s in steps),
+        *(Way(replace(loop, elements=s), 1) for loop in loops for s in (*steps, None)),
+        *([] if limit is None else [Way(limit)]),
+    ]
+    for model in references:
+        info = model.info()
+        # Of what is slow the first of the meshes that it is extrapolated from.
+        meshes = (info.refinements or info.ladder)[:1] if info.slow else steps
+        ways += [Way(replace(model, elements=s)) for s in meshes]
+    ways += [Way(model) for model in references[:1] if isinstance(model.elements, tuple)]
     ways += [
-        Way(replace(model, elements=s))
-        for model in references
-        for s in (_own_mesh(model) if model.info().slow else steps)
-    ]
-    whole = [Way(model) for model in references[:1] if isinstance(model.elements, tuple)]
-    batch = [
         Way(replace(loop, elements=s), size)
-        for loop in loops
-        for s in dict.fromkeys((steps[0], steps[-1], None))
-        for size in batches
-        if size > 1
-    ]
-    pair = Substructure(PAPER_ELEMENTS).matrices(case.mechanism, case.pose)
-    K, M = (matrix.toarray() if hasattr(matrix, "toarray") else matrix for matrix in pair)
-    A = np.random.default_rng(0).standard_normal((MATRICES, 6, 6))
-    yardsticks = {
-        YARDSTICK: partial(scipy.linalg.eigh, K, M),
-        FLOOR: partial(np.linalg.eigh, A + A.swapaxes(1, 2)),
+        for loop in loops for s in (steps[0], steps[-1], None) for size in batches if size > 1
+    ]  # fmt: skip
+    yardsticks: dict[str, tuple[Call, int]] = {
+        YARDSTICK: (partial(scipy.linalg.eigh, *dense_pair(case)), 1),
+        FLOOR: (eigh_of(MATRICES), MATRICES),
     }
-    asked = list(dict.fromkeys([*ways, *whole, *batch]))
-    timings = time_ways(bench, asked, [case], rounds, COUNT, yardsticks)
-    yards = timings.yardsticks
-    timings = replace(timings, yardsticks={**yards, FLOOR: yards[FLOOR] / MATRICES})
+    timings = time_ways(bench, list(dict.fromkeys(ways)), [case], rounds, COUNT, yardsticks)
     most = {t.way.model: t for t in timings.timed if t.way.poses > 1}
     plain = ratios(case, rounds, min((t.way.poses for t in most.values()), default=0))
-    others = measured(case, COUNT, rounds)
-    plainly = [loop if loop.settings else replace(loop, settings=PLAINLY) for loop in loops]
+    others = measured(case, rounds)
     slowest = max((most[loop].median() for loop in loops if loop in most), default=1.0)
-    poses_a_core = min(poses_a_core, max(1, int(LONG_SHARE / slowest)))
-    cores, failed = throughput(case, plainly, poses_a_core, COUNT, bench.limit)
+    poses = min(poses_a_core, max(1, int(LONG_SHARE / slowest)))
+    plainly = [replace(loop, settings=loop.settings or (("fast", False),)) for loop in loops]
+    cores, failed = throughput(case, plainly, poses, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
-    return Cost(case, theory, timings, plain, tuple(cores), others)
+    return Cost(case, theory, timings, plain, cores, others)
 
 
 def run(request: Request, bench: Bench) -> Cost:
@@ -317,23 +353,10 @@ def jobs(plan: Plan) -> dict[str, Request]:
                                  options=options)}  # fmt: skip
 
 
-def _loops() -> list[tuple[tuple[str, bool], ...]]:
-    """Return the settings of the condensed model's loops that can run here: plain, compiled."""
-    from analytic.kernel import compiled
-
-    return [(), (("fast", True),)] if compiled() else [()]
+def _rivals() -> dict[str, Named]:
+    return {name: Named("multipliers", None, (("solver", name),)) for name in SOLVERS}
 
 
-def _own_mesh(model: Named) -> Sequence[int]:
-    """Return the first of the meshes that a model is extrapolated from, as for what is slow."""
-    info = model.info()
-    return (info.refinements or info.ladder)[:1]
-
-
-def _quartiles(t: Timed) -> Array:
-    """Return the median, and the first and the third quartile of the seconds."""
-    return np.percentile(t.each("seconds"), [50, 25, 75])
-
-
-def _named(t: Timed) -> str:
-    return f"{t.way.method}, s={t.way.size}"
+def _alone(t: Timed) -> str:
+    """Return a method without its poses a call."""
+    return replace(t.way, poses=0).method

@@ -1,25 +1,26 @@
-"""Frequencies over the regular workspace, layer by layer: the data of Fig. 6."""
+"""What is mapped: poses in the regular workspace or over a plane, and what a model finds there."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analytic import InputError, Joint, Limits, Mechanism, Modes, Pose, RegularWorkspace
 from analytic.model import Model
-from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, inscribed, margins
+from analytic.workspace import CONSTRAINTS, OF_CHAINS, heights, in_plane, inscribed, margins, rim
 from harness.answer import Batch, BatchTask
 from harness.bench import Bench, label
 from harness.case import Case
-from harness.poses import named
+from harness.poses import columns, named
 from harness.rows import MAP, mode_rows, settings
 from harness.signatures import Array
 from harness.workers import Failure
 
-LEAST = 1e-3
-"""A platform that tilts by less than this everywhere does not tilt [rad]."""
-ORDER = "modes are numbered by order, from the lowest: where two cross, they change places"
+Flags = NDArray[np.bool_]
+TILTS, MOVES = 1e-3, 1e-6
+"""A platform that tilts [rad], or moves in a plane [m], by less than this anywhere does not."""
 PROFILE = 41
 """Heights at which the inscribed circles are found, from the lowest to the highest."""
 
@@ -50,10 +51,9 @@ class Region:
                 raise InputError("mechanism", limb.described, expected)
         z = np.linspace(*heights(mechanism, limits, near), PROFILE)
         circles = RegularWorkspace(z, inscribed(mechanism, z, limits, azimuths=36)[0])
-        if circles.radii.max() < LEAST:
-            chain = mechanism.limbs[0].described
+        if circles.radii.max() < TILTS:
             expected = "limbs whose platform tilts any way; `sweep --poses` takes other poses"
-            raise InputError("mechanism", chain, expected)
+            raise InputError("mechanism", mechanism.limbs[0].described, expected)
         return cls(mechanism, limits, circles, circles.cone())
 
     def layers(self, number: int) -> Array:
@@ -62,11 +62,125 @@ class Region:
         return np.round(np.linspace(np.ceil(low), np.floor(high), number)) / 1000
 
 
+@dataclass(frozen=True)
+class Rays:
+    """Poses on rays from a middle outwards, (..., A, R): all rays of a layer begin at one pose.
+
+    Attributes: `mechanism`; `limits`, which hold what the `poses` leave out; `there`, whether there
+    is a pose at all.
+    """
+
+    mechanism: Mechanism
+    limits: Limits
+    poses: Pose
+    there: Flags
+
+    def held(self, which: Flags) -> Pose:
+        """Return some poses as a row, with the torsion, x and y that the limits hold."""
+        return self.limits.held(self.poses[which])
+
+    @property
+    def rim(self) -> Flags:
+        """Whether a pose is the last of its ray."""
+        rim = self.there.copy()
+        rim[..., :-1] &= ~self.there[..., 1:]
+        return rim
+
+    @property
+    def wanted(self) -> Flags:
+        """Which poses to solve: a middle once."""
+        wanted = self.there.copy()
+        wanted[..., 1:, 0] = False
+        return wanted
+
+    def spread(self, values: Array) -> Array:
+        """Return the `values` (n, ...) at the `wanted` poses as those of all, (..., A, R, ...)."""
+        found = np.full((*self.there.shape, *values.shape[1:]), np.nan)
+        found[self.wanted] = values
+        every = found.reshape(*self.there.shape, -1)
+        every[..., 1:, 0, :] = every[..., :1, 0, :]
+        return found
+
+
+@dataclass(frozen=True)
+class Grid(Rays):
+    """The poses of a map, layer by layer inside the largest circles: (n, A, T).
+
+    Attributes:
+        region: where.
+        z: heights of the layers, shape (n,) [m].
+        radii, touch: the circle's tilt, and the azimuth where it meets a limit, shape (n,) [rad].
+        azimuth: shape (A,), from the first limb's azimuth, evenly round [rad].
+        tilt: shape (n, T) [rad], from 0 to the rim of each layer; NaN after it.
+        shared: whether a tilt is one that the layers have in common, shape (n, T): not a rim.
+    """
+
+    region: Region
+    z: Array
+    radii: Array
+    touch: Array
+    azimuth: Array
+    tilt: Array
+    shared: Flags
+
+    @classmethod
+    def of(cls, region: Region, z: Array, azimuths: int, tilts: int) -> "Grid":
+        """Return `tilts` from 0 to the widest rim that the layers share, and each layer's rim."""
+        mechanism, limits = region.mechanism, region.limits
+        x, y, _ = mechanism.limbs[0].base
+        azimuth = np.arctan2(y, x) + 2 * np.pi * np.arange(azimuths) / azimuths
+        radii, touch = inscribed(mechanism, z, limits, azimuths=36)
+        common = np.linspace(0, radii.max(), tilts)
+        # A common tilt next to the rim would make a sliver of a ring.
+        inner = common < radii[:, None] - 1e-3 * common[1]
+        inner[:, 0] = True
+        tilt = np.where(inner, common, np.nan)
+        for row, radius, last in zip(tilt, radii, inner.sum(axis=1), strict=True):
+            if radius > 0:
+                row[last] = radius
+        poses = Pose(z[:, None, None], azimuth[:, None], np.nan_to_num(tilt)[:, None])
+        there = np.isfinite(tilt)[:, None] & np.ones((azimuths, 1), dtype=bool)
+        return cls(mechanism, limits, poses, there, region, z, radii, touch, azimuth, tilt, inner)
+
+
+@dataclass(frozen=True)
+class Plane(Rays):
+    """Poses of one case in a plane: from its own outwards, to where the limits end: (A, R).
+
+    Attributes: `case`; `names` of two coordinates; `direction` (A,), evenly round from the first
+    coordinate's axis [rad]; `far` (A, R), from 0 to the rim by equal steps [m].
+    """
+
+    case: Case
+    names: tuple[str, str]
+    direction: Array
+    far: Array
+
+    @classmethod
+    def of(
+        cls, case: Case, names: tuple[str, str], limits: Limits, directions: int, steps: int
+    ) -> "Plane":
+        """Return `steps` from 0 to the rim in so many directions.
+
+        Raises `InputError` for a case outside its limits, or one that cannot move in the plane.
+        """
+        direction = 2 * np.pi * np.arange(directions) / directions
+        ends = rim(case.mechanism, case.pose, names, direction, limits)
+        asked = ",".join(names)
+        if np.isnan(ends).any():
+            raise InputError("plane", asked, f"a case within its limits, which {case.name} is not")
+        if ends.max() < MOVES:
+            raise InputError("plane", asked, f"one in which the platform of {case.name} can move")
+        far = np.outer(ends, np.linspace(0, 1, steps))
+        poses = in_plane(case.pose, names, far, direction[:, None])
+        there = np.ones(far.shape, dtype=bool)
+        return cls(case.mechanism, limits, poses, there, case, names, direction, far)
+
+
 def limits_met(mechanism: Mechanism, limits: Limits, pose: Pose) -> str:
     """Return the limit, or limits, met at a pose on the boundary, in words."""
     met = np.unique(np.nonzero(np.abs(margins(mechanism, pose, limits)) < 1e-8)[1])
-    plain = mechanism.simple and not mechanism.limited
-    names = CONSTRAINTS if plain else OF_CHAINS
+    names = CONSTRAINTS if mechanism.simple and not mechanism.limited else OF_CHAINS
     return " and ".join(names[kind] for kind in met) or "closure of the joints"
 
 
@@ -85,155 +199,93 @@ def limits_said(mechanism: Mechanism, limits: Limits) -> str:
 
 
 @dataclass(frozen=True)
-class Grid:
-    """The poses of a map, layer by layer inside the largest circles.
-
-    Attributes:
-        z: heights of the layers, shape (n,) [m].
-        radii, touch: the circle's tilt, and the azimuth where it meets a limit, shape (n,) [rad].
-        azimuth: shape (A,), from the first limb's azimuth, evenly round [rad].
-        tilt: shape (n, T) [rad], from 0 to the rim of each layer; NaN after it.
-        shared: whether a tilt is one that the layers have in common, shape (n, T): not a rim.
-    """
-
-    z: Array
-    radii: Array
-    touch: Array
-    azimuth: Array
-    tilt: Array
-    shared: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, region: Region, z: Array, azimuths: int, tilts: int) -> "Grid":
-        """Return `tilts` from 0 to the widest rim that the layers share, and each layer's rim."""
-        x, y, _ = region.mechanism.limbs[0].base
-        azimuth = np.arctan2(y, x) + 2 * np.pi * np.arange(azimuths) / azimuths
-        radii, touch = inscribed(region.mechanism, z, region.limits, azimuths=36)
-        common = np.linspace(0, radii.max(), tilts)
-        # A common tilt next to the rim would make a sliver of a ring.
-        inner = common < radii[:, None] - 1e-3 * common[1]
-        inner[:, 0] = True
-        tilt = np.where(inner, common, np.nan)
-        for row, radius, last in zip(tilt, radii, inner.sum(axis=1), strict=True):
-            if radius > 0:
-                row[last] = radius
-        return cls(z, radii, touch, azimuth, tilt, inner)
-
-    @property
-    def rim(self) -> NDArray[np.intp]:
-        """The index of each layer's last tilt, shape (n,)."""
-        return np.asarray(np.isfinite(self.tilt).sum(axis=1) - 1)
-
-    @property
-    def wanted(self) -> NDArray[np.bool_]:
-        """Which (n, A, T) to solve: a level platform once, for it has no azimuth."""
-        shape = (len(self.z), len(self.azimuth), self.tilt.shape[1])
-        wanted = np.broadcast_to(np.isfinite(self.tilt)[:, None, :], shape).copy()
-        wanted[:, 1:, 0] = False
-        return wanted
-
-    def pose(self, layer: Any, azimuth: Any, tilt: Any) -> Pose:
-        """Return the pose, or poses, of these indices."""
-        return Pose(self.z[layer], self.azimuth[azimuth], self.tilt[layer, tilt])
-
-
-@dataclass(frozen=True)
 class Answers:
-    """What a model found at n poses.
+    """What a `model` found of a `mechanism` at n `poses`.
 
-    Attributes: `frequencies` (n, count) [Hz], NaN where it failed; `modes`, one a pose where it
-    takes one at a time, None where it failed, and of the first pose alone where it takes all at
-    once; `seconds` a pose of the latter, else None; `failures` by "MODEL at POSE", in words.
+    Attributes: `frequencies` (n, count) [Hz], NaN where it failed; `modes`, one a pose, None where
+    it failed; where all poses were solved at once they are those of the first, with the seconds of
+    one; `failures` by "MODEL at POSE", in words.
     """
 
+    model: Model
+    mechanism: Mechanism
+    poses: Pose
     frequencies: Array
-    modes: tuple[Modes | None, ...]
-    seconds: float | None
+    modes: Sequence[Modes | None]
     failures: dict[str, str]
 
-    def rows(
-        self, model: Model, mechanism: Mechanism, poses: Pose, kind: str = MAP
-    ) -> list[dict[str, Any]]:
-        """Return one row a pose and mode for the history, of the `poses` solved."""
-        count = self.frequencies.shape[1]
-        how, name = settings(model, count), label(model)
-        result: list[dict[str, Any]] = []
-        for i, pose in enumerate(poses):
-            modes = self.modes[i if self.seconds is None else 0]
-            if modes is None or not np.isfinite(self.frequencies[i]).all():
-                continue
-            if self.seconds is not None:
-                modes = replace(
-                    modes, frequencies=self.frequencies[i],
-                    uncertainty=None, residual=None,
-                    build_seconds=0.0, solve_seconds=self.seconds,
-                )  # fmt: skip
-            result += mode_rows(Case(kind, mechanism, pose, ""), name, how, modes, count)
+    def rows(self, kind: str = MAP) -> list[dict[str, Any]]:
+        """Return one row a pose and mode for the history, of the poses solved."""
+        count, result = self.frequencies.shape[1], list[dict[str, Any]]()
+        how, name = settings(self.model, count), label(self.model)
+        for pose, f, modes in zip(self.poses, self.frequencies, self.modes, strict=True):
+            if modes is not None:
+                case, own = Case(kind, self.mechanism, pose, ""), replace(modes, frequencies=f)
+                result += mode_rows(case, name, how, own, count)
         return result
 
 
-@dataclass(frozen=True)
-class WorkspaceMap:
-    """Frequencies of one model over a grid in the regular workspace.
-
-    Attributes: `region`; `grid`; `model`; `frequencies` (n, A, T, count) [Hz], ascending, NaN where
-    there is no pose or the model failed: the i-th is the i-th lowest, so where modes cross they
-    change places; `answers` of the model at the poses of `grid.wanted`, in their order there.
-    """
-
-    region: Region
-    grid: Grid
-    model: Model
-    frequencies: Array
-    answers: Answers
-
-    def rows(self) -> list[dict[str, Any]]:
-        """Return one row a pose and mode for the history: a level platform once a layer."""
-        poses = self.region.limits.held(self.grid.pose(*np.nonzero(self.grid.wanted)))
-        return self.answers.rows(self.model, self.region.mechanism, poses)
-
-
-def workspace_map(
-    region: Region, grid: Grid, model: Model, count: int, bench: Bench
-) -> WorkspaceMap:
-    """Return the `count` lowest frequencies of `model` over `grid`.
+def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Bench) -> Answers:
+    """Return the `count` lowest frequencies of `model` at `poses` (an array of them).
 
     A model that may crash takes one pose after the other, in a process of its own; others take all
     at once.
     """
-    wanted = grid.wanted
-    where = np.nonzero(wanted)
-    frequencies = np.full((*wanted.shape, count), np.nan)
-    poses = region.limits.held(grid.pose(*where))
-    answers = solve(model, region.mechanism, poses, count, bench)
-    frequencies[where] = answers.frequencies
-    frequencies[:, 1:, 0] = frequencies[:, :1, 0]
-    return WorkspaceMap(region, grid, model, frequencies, answers)
-
-
-def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Bench) -> Answers:
-    """Return what `model` finds at `poses` (an array of them)."""
     frequencies, failures = np.full((len(poses), count), np.nan), dict[str, str]()
+    answers: list[Modes | None] = [None] * len(poses)
     if not model.info().isolated:
         bench.listener.expect(1)
+        everywhere = f"{label(model)} at {len(poses)} poses"
         first = bench.solve(model, mechanism, poses[0], count)
         found: object = first
         if isinstance(first, Modes):
             found = bench.call(BatchTask(model, mechanism, poses, count), isolated=False)
-        everywhere = f"{label(model)} at {len(poses)} poses"
         bench.listener.done(everywhere)
         if isinstance(found, Failure):
-            return Answers(frequencies, (None,), 0.0, {everywhere: found.reason})
-        assert isinstance(first, Modes) and isinstance(found, Batch)
-        return Answers(found.table, (first,), found.seconds / len(poses), {})
-    bench.listener.expect(len(poses))
-    answers: list[Modes | None] = []
-    for i, pose in enumerate(poses):
-        modes = bench.solve(model, mechanism, pose, count)
-        answers.append(None if isinstance(modes, Failure) else modes)
-        if isinstance(modes, Failure):
-            failures[f"{label(model)} at {named(pose)}"] = modes.reason
+            failures[everywhere] = found.reason
         else:
-            frequencies[i] = modes.frequencies
-        bench.listener.done(f"{label(model)} at {named(pose)}")
-    return Answers(frequencies, tuple(answers), None, failures)
+            assert isinstance(first, Modes) and isinstance(found, Batch)
+            frequencies, seconds = found.table, found.seconds / len(poses)
+            answers = [replace(first, uncertainty=None, residual=None, build_seconds=0.0,
+                               solve_seconds=seconds)] * len(poses)  # fmt: skip
+        return Answers(model, mechanism, poses, frequencies, answers, failures)
+    bench.listener.expect(len(poses))
+    for i, pose in enumerate(poses):
+        there = f"{label(model)} at {named(pose)}"
+        modes = bench.solve(model, mechanism, pose, count)
+        if isinstance(modes, Failure):
+            failures[there] = modes.reason
+        else:
+            frequencies[i], answers[i] = modes.frequencies, modes
+        bench.listener.done(there)
+    return Answers(model, mechanism, poses, frequencies, answers, failures)
+
+
+Where = TypeVar("Where", bound=Rays)
+
+
+class Map(Generic[Where]):
+    """What a model found over the poses of a grid or a plane.
+
+    Attributes: `grid`; `answers` at its `wanted` poses; `frequencies` (..., A, R, count) [Hz],
+    ascending, NaN where there is no pose or the model failed: the i-th is the i-th lowest, so where
+    modes cross they change places.
+    """
+
+    def __init__(self, grid: Where, answers: Answers) -> None:
+        self.grid, self.answers = grid, answers
+        self.frequencies = grid.spread(answers.frequencies)
+
+    @classmethod
+    def of(cls, grid: Where, model: Model, count: int, bench: Bench) -> "Map[Where]":
+        """Return the `count` lowest frequencies of `model` over a grid or a plane."""
+        return cls(grid, solve(model, grid.mechanism, grid.held(grid.wanted), count, bench))
+
+    def records(self, shown: Sequence[int], which: Flags) -> Iterator[dict[str, Any]]:
+        """Return one row a mode and pose of those `which` have an answer: where, and what."""
+        which = which & np.isfinite(self.frequencies[..., 0])
+        found, last = self.frequencies[which], self.grid.rim[which].tolist()
+        for mode in shown:
+            for pose, end, f in zip(self.grid.held(which), last, found[:, mode - 1], strict=True):
+                yield {"model": label(self.answers.model), **columns(pose), "rim": end,
+                       "mode": mode, "frequency_hz": f}  # fmt: skip

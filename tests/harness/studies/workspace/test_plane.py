@@ -28,7 +28,8 @@ from harness.figures import picture
 from harness.request import Plan
 from harness.rows import PLANE
 from harness.studies import stiffness, workspace
-from harness.studies.workspace.plane import Plane, PlaneMap, plane_map
+from harness.studies.workspace import PlaneMap
+from harness.studies.workspace.map import Map, Plane
 from harness.text import request
 from reference_models import Named
 
@@ -46,7 +47,8 @@ def bench() -> Iterator[Bench]:
 
 @pytest.fixture(scope="module")
 def hexapod(bench: Bench) -> PlaneMap:
-    return plane_map(Plane.of(HOME, ("x", "y"), Limits(), 12, 3), ONE, (1, 2, 3), bench)
+    plane = Plane.of(HOME, ("x", "y"), Limits(), 12, 3)
+    return PlaneMap(Map.of(plane, ONE, 3, bench), (1, 2, 3))
 
 
 def asked(study: Any, **texts: str) -> Any:
@@ -98,7 +100,7 @@ def test_the_platform_goes_until_a_stroke_ends(names: tuple[str, str]) -> None:
 
 def test_a_hexapod_at_home_has_the_symmetry_of_its_limbs(hexapod: PlaneMap) -> None:
     """Turned by 120 degrees and mirrored the map is the same; turned by 60 degrees it is not."""
-    for values in (hexapod.plane.far, hexapod.frequencies):
+    for values in (hexapod.map.grid.far, hexapod.map.frequencies):
         np.testing.assert_allclose(turned(values, 4), values, rtol=1e-9)
         np.testing.assert_allclose(mirrored(values), values, rtol=1e-9)
         assert np.abs(turned(values, 2) - values).max() > 0.01 * values.max()
@@ -107,11 +109,11 @@ def test_a_hexapod_at_home_has_the_symmetry_of_its_limbs(hexapod: PlaneMap) -> N
 def test_a_planar_robot_has_the_symmetry_of_its_limbs(bench: Bench) -> None:
     """Turned by 120 degrees; its mirror image is the robot turned the other way."""
     own, other = (
-        plane_map(Plane.of(planar(angle), ("x", "y"), Limits(), 12, 3), ONE, (1, 2, 3), bench)
+        Map.of(Plane.of(planar(angle), ("x", "y"), Limits(), 12, 3), ONE, 3, bench)
         for angle in (0.3, -0.3)
     )
     assert np.isfinite(own.frequencies).all()
-    for one, image in ((own.plane.far, other.plane.far), (own.frequencies, other.frequencies)):
+    for one, image in ((own.grid.far, other.grid.far), (own.frequencies, other.frequencies)):
         np.testing.assert_allclose(turned(one, 4), one, rtol=1e-9)
         np.testing.assert_allclose(mirrored(image), one, rtol=1e-9)
     assert np.abs(mirrored(own.frequencies) / own.frequencies - 1).max() > 1e-3
@@ -126,12 +128,12 @@ def test_what_a_map_gives(hexapod: PlaneMap) -> None:
     f = Substructure(1).frequencies(HOME.mechanism, pose, 2)
     assert one["frequency_hz"] == pytest.approx(f[1], rel=1e-9)
     ray = np.arctan2(one["y_m"], one["x_m"]) % (2 * np.pi)
-    assert ray == pytest.approx(hexapod.plane.direction[5])
+    assert ray == pytest.approx(hexapod.map.grid.direction[5])
     table = hexapod.table()
     assert [row[:2] for row in table.rows[:2]] == [("f1", "lowest"), ("f1", "highest")]
-    assert float(table.rows[0][2].value) == hexapod.frequencies[..., 0].min()
+    assert float(table.rows[0][2].value) == hexapod.map.frequencies[..., 0].min()
     assert "as the mechanism states them" in table.notes[0] and "longest stroke" in table.notes[1]
-    ends = 1000 * hexapod.plane.far[:, -1]
+    ends = 1000 * hexapod.map.grid.far[:, -1]
     assert f"{ends.min():.1f} to {ends.max():.1f} mm" in hexapod.sentences()[0]
     assert {row["case"] for row in hexapod.rows()} == {PLANE} and len(hexapod.rows()) == len(frame)
     (figure,) = hexapod.figures().values()
@@ -141,8 +143,8 @@ def test_what_a_map_gives(hexapod: PlaneMap) -> None:
 
 def test_the_command_and_the_main_job(bench: Bench) -> None:
     found = workspace.run(asked(workspace, plane="x,z", grid="12x2", model="rayleigh@1"), bench)
-    assert isinstance(found, PlaneMap) and found.plane.names == ("x", "z")
-    assert found.frequencies.shape == (12, 2, 3)
+    assert isinstance(found, PlaneMap) and found.map.grid.names == ("x", "z")
+    assert found.map.frequencies.shape == (12, 2, 3)
     theory = Named("euler-bernoulli", 3)
     assert workspace.jobs(Plan((HOME,), theory, ()))["workspace-plane"].options == {
         "plane": ("x", "y")

@@ -31,15 +31,7 @@ from harness.studies.workspace.checks import (
     turned,
     verdicts,
 )
-from harness.studies.workspace.map import (
-    Answers,
-    Grid,
-    Region,
-    WorkspaceMap,
-    limits_met,
-    solve,
-    workspace_map,
-)
+from harness.studies.workspace.map import Answers, Grid, Map, Region, limits_met, solve
 from harness.text import request
 from reference_models import ModelError, Named
 
@@ -66,8 +58,8 @@ def grid(region: Region) -> Grid:
 
 
 @pytest.fixture(scope="module")
-def solved(region: Region, grid: Grid, bench: Bench) -> WorkspaceMap:
-    return workspace_map(region, grid, CONTINUUM, 6, bench)
+def solved(region: Region, grid: Grid, bench: Bench) -> Map[Grid]:
+    return Map.of(grid, CONTINUUM, 6, bench)
 
 
 @pytest.fixture
@@ -110,43 +102,49 @@ class Planted:
         )
 
 
-def invented(region: Region, grid: Grid, waves: Any) -> WorkspaceMap:
+def made(grid: Grid, frequencies: Any) -> Map[Grid]:
+    """A map of frequencies that no model gave."""
+    found = frequencies[grid.wanted]
+    answers = Answers(CONTINUUM, grid.mechanism, grid.held(grid.wanted), found,
+                      [None] * len(found), {})  # fmt: skip
+    return Map(grid, answers)
+
+
+def invented(grid: Grid, waves: Any) -> Map[Grid]:
     """Frequencies of 100 / z [Hz], each with its own wave of azimuth that grows outwards."""
     shape = np.broadcast_shapes((3, 1, 1), (24, 1), (3, 1, 5))
     azimuth, size = grid.azimuth[:, None], (grid.tilt / grid.radii[:, None])[:, None, :] ** 2
     f = [np.broadcast_to(100 / grid.z[:, None, None] * (1 + size * w(azimuth)), shape)
          for w in waves]  # fmt: skip
-    every = np.stack(f, axis=-1)
-    answers = Answers(every[grid.wanted], (None,), 0.0, {})
-    return WorkspaceMap(region, grid, CONTINUUM, every, answers)
+    return made(grid, np.stack(f, axis=-1))
 
 
 @pytest.fixture
-def waves(region: Region, grid: Grid) -> WorkspaceMap:
+def waves(grid: Grid) -> Map[Grid]:
     """f1 round, f2 with three waves of 1 %, f3 with one."""
-    return invented(region, grid, (
+    return invented(grid, (
         lambda a: 0 * a, lambda a: 0.01 * np.cos(3 * a), lambda a: 0.01 * np.cos(a + 0.2)
     ))  # fmt: skip
 
 
 def test_the_grid_fills_the_circles(region: Region, grid: Grid) -> None:
     assert np.isfinite(grid.tilt).sum(axis=1).tolist() == [4, 5, 5]
-    np.testing.assert_array_equal(grid.tilt[np.arange(3), grid.rim], grid.radii)
+    np.testing.assert_array_equal(grid.tilt[grid.rim[:, 0]], grid.radii)
     where = np.nonzero(grid.wanted)
-    assert reachable(region.mechanism, grid.pose(*where), region.limits).all()
+    assert reachable(region.mechanism, grid.poses[where], region.limits).all()
     assert len(where[0]) == 3 + 24 * (3 + 4 + 4)  # a level platform once a layer
     common = grid.tilt[:, :3]
     np.testing.assert_array_equal(common, np.broadcast_to(common[0], common.shape))
 
 
-def test_the_map_is_the_model(solved: WorkspaceMap, robot: Mechanism) -> None:
+def test_the_map_is_the_model(solved: Map[Grid], robot: Mechanism) -> None:
     for i, k, j in ((0, 5, 0), (1, 7, 4), (2, 23, 2)):
-        wanted = Continuum("timoshenko").modes(robot, solved.grid.pose(i, k, j)).frequencies
+        wanted = Continuum("timoshenko").modes(robot, solved.grid.poses[i, k, j]).frequencies
         np.testing.assert_allclose(solved.frequencies[i, k, j], wanted, rtol=1e-8)
     assert np.isnan(solved.frequencies[0, :, 4]).all()
 
 
-def test_a_map_is_a_frame_and_pictures(solved: WorkspaceMap) -> None:
+def test_a_map_is_a_frame_and_pictures(solved: Map[Grid]) -> None:
     """One row a mode and pose of every azimuth, level poses too; contours first."""
     result = Workspace(solved, solved, (1, 2, 3, 4, 5, 6))
     frame = result.to_frame()
@@ -167,7 +165,7 @@ def test_any_elements_and_theory(robot: Mechanism, bench: Bench) -> None:
         np.testing.assert_allclose(row, wanted, rtol=1e-8)
 
 
-def test_what_the_paper_says_of_fig_6(solved: WorkspaceMap, bench: Bench) -> None:
+def test_what_the_paper_says_of_fig_6(solved: Map[Grid], bench: Bench) -> None:
     """Not circularly symmetrical: 120-degree periodic and mirrored. Falling with height."""
     assert max(turned(solved, 3), mirrored(solved)) < 1e-9
     largest = np.nanmax(ripple(solved), axis=(0, 1))
@@ -177,30 +175,30 @@ def test_what_the_paper_says_of_fig_6(solved: WorkspaceMap, bench: Bench) -> Non
     change, checked = rises(solved)
     assert checked.sum() == 6 * (1 + 24 * 3)
     assert np.nanmax(change) < -0.3
-    symmetry, height = verdicts(solved.region, solved, range(1, 7))[1:]
+    symmetry, height = verdicts(solved, range(1, 7))[1:]
     assert symmetry.startswith('"Circularly symmetrical": only 120-degree periodic. That turn ')
     assert height.endswith(": yes, in all 732 steps of 438 columns of poses.")
 
 
-def test_ripple_and_turns_of_known_waves(waves: WorkspaceMap) -> None:
+def test_ripple_and_turns_of_known_waves(waves: Map[Grid]) -> None:
     wave = ripple(waves)
     assert np.nanmax(wave[..., 0]) < 1e-12
-    rim = wave[np.arange(3), waves.grid.rim]
+    rim = wave[waves.grid.rim[:, 0]]
     np.testing.assert_allclose(rim[:, 1], 0.02, rtol=1e-9)
-    two = replace(waves, frequencies=waves.frequencies[..., :2])
+    two = made(waves.grid, waves.frequencies[..., :2])
     assert turned(two, 3) < 1e-12 and mirrored(two) < 1e-12
     assert turned(waves, 3) == pytest.approx(0.01 * np.sqrt(3), rel=0.02)
     assert mirrored(waves) == pytest.approx(0.02 * np.sin(0.2), rel=0.02)
     assert str(symmetry_table(waves, [1, 2, 3]).rows[1][1]) == "2.000"
-    assert ": yes, to " in verdicts(waves.region, waves, [1])[1]
-    assert ": no. A turn of 120 deg changes" in verdicts(waves.region, waves, [1, 3])[1]
+    assert ": yes, to " in verdicts(waves, [1])[1]
+    assert ": no. A turn of 120 deg changes" in verdicts(waves, [1, 3])[1]
 
 
-def test_a_rise_is_named(waves: WorkspaceMap) -> None:
+def test_a_rise_is_named(waves: Map[Grid]) -> None:
     f = waves.frequencies.copy()
     f[2, 6, 1, 1] = 1.01 * f[1, 6, 1, 1]
-    rising = replace(waves, frequencies=f)
-    said = verdicts(rising.region, rising, [1, 2])[2]
+    rising = made(waves.grid, f)
+    said = verdicts(rising, [1, 2])[2]
     assert "not in 1 of " in said
     assert "first f2 at z = 500 mm, azimuth 90 deg, tilt " in said
     first, second = height_table(rising, [1, 2]).rows
@@ -208,8 +206,8 @@ def test_a_rise_is_named(waves: WorkspaceMap) -> None:
     assert second[2] == 72 and second[3] == "+0.033"
 
 
-def test_the_table_of_layers(solved: WorkspaceMap, region: Region) -> None:
-    rows = region_table(region, solved, [1]).rows
+def test_the_table_of_layers(solved: Map[Grid], region: Region) -> None:
+    rows = region_table(solved, [1]).rows
     assert [row[3] for row in rows] == ["spherical joint"] * 3
     level = solved.frequencies[1, 0, 0, 0]
     assert rows[1][5].value == pytest.approx(level)  # type: ignore[union-attr]
@@ -227,20 +225,20 @@ def test_a_simulator_goes_pose_by_pose(region: Region, robot: Mechanism) -> None
     with Bench(listener=listener) as bench:
         # A class of a test file is no module of a worker: here it is solved in this process.
         bench.call = lambda task, isolated: Bench.call(bench, task, False)  # type: ignore[method-assign]
-        data = workspace_map(region, grid, model, 3, bench)
+        data = Map.of(grid, model, 3, bench)
     assert len(heard) == 1 + 3
-    wanted = Substructure(2).modes(robot, grid.pose(0, 2, 1), 3)
+    wanted = Substructure(2).modes(robot, grid.poses[0, 2, 1], 3)
     np.testing.assert_array_equal(data.frequencies[0, 2, 1], wanted.frequencies)
     assert np.isnan(data.frequencies[0, 1, 1]).all()
     ((pose, why),) = data.answers.failures.items()
     assert " at z = 500 mm, azimuth 120 deg" in pose and why == "no convergence"
     for draw in (figures.contour_figure, figures.surface_figure, figures.ripple_figure):
         assert picture(draw(data, [1]), "png").startswith(b"\x89PNG")
-    symmetry, height = verdicts(region, data, [1])[1:]
+    symmetry, height = verdicts(data, [1])[1:]
     assert symmetry.endswith("not checked, for no circle of one tilt is complete.")
     assert height.endswith("not checked, for no two layers share a pose.")
     assert symmetry_table(data, [1]).rows[0][1:] == ("",) * 4
-    rows = data.rows()
+    rows = data.answers.rows()
     assert len(rows) == 3 * 3  # of one level and three tilted poses, one failed
     assert [row["frequency_hz"] for row in rows[-3:]] == wanted.frequencies.tolist()
     assert all(row["build_s"] > 0 and row["solve_s"] > 0 for row in rows)
@@ -253,7 +251,7 @@ def test_frequencies_that_are_none_are_a_failure(
     region: Region, bench: Bench, broken: str, why: str
 ) -> None:
     grid = Grid.of(region, np.array([0.4, 0.5]), 3, 2)
-    data = workspace_map(region, grid, Planted(isolated=False, broken=broken), 3, bench)
+    data = Map.of(grid, Planted(isolated=False, broken=broken), 3, bench)
     assert np.isnan(data.frequencies).all() and why in next(iter(data.answers.failures.values()))
     result = Workspace(data, data, (1,))
     assert len(result.to_frame()) == 0 and result.figures() == {}
@@ -261,9 +259,9 @@ def test_frequencies_that_are_none_are_a_failure(
     assert result.rows() == [] and len(result.failures()) == 1
 
 
-def test_every_pose_solved_is_a_row_of_the_history(solved: WorkspaceMap, robot: Mechanism) -> None:
+def test_every_pose_solved_is_a_row_of_the_history(solved: Map[Grid], robot: Mechanism) -> None:
     """Frequencies of the model itself, asked pose by pose; a level platform once a layer."""
-    rows = solved.rows()
+    rows = solved.answers.rows()
     poses = {(row["z_m"], row["azimuth_rad"], row["tilt_rad"]) for row in rows}
     assert len(rows) == 6 * len(poses) == 6 * solved.grid.wanted.sum()
     assert sum(tilt == 0 for _, _, tilt in poses) == 3
@@ -278,18 +276,18 @@ def test_every_pose_solved_is_a_row_of_the_history(solved: WorkspaceMap, robot: 
             assert row["case"] == MAP and row["mechanism"] == mechanism_hash(robot)
             assert row["model"] == "timoshenko@exact" and row["theory"] == wanted.theory
             assert json.loads(row["settings"]) == {"count": 6}
-            assert 0 < row["solve_s"] == solved.answers.seconds
+            assert 0 < row["solve_s"] == solved.answers.modes[0].solve_seconds
             assert row["uncertainty_hz"] is None
 
 
-def test_pictures_show_degrees_and_hertz(solved: WorkspaceMap) -> None:
+def test_pictures_show_degrees_and_hertz(solved: Map[Grid]) -> None:
     contours = figures.contour_figure(solved, [1, 2])
     panels = [axes for axes in contours.axes if axes.get_aspect() == 1]
     assert len(panels) == 6
     for k, axes in enumerate(panels[:3]):
         rim = np.hypot(*axes.lines[0].get_data())
         np.testing.assert_allclose(rim, np.degrees(solved.grid.radii[k]))
-    side, above = figures.region_figure(solved.region, solved.grid).axes[:2]
+    side, above = figures.region_figure(solved.grid).axes[:2]
     for k in range(3):
         edge, circle = (np.asarray(line.get_ydata()) for line in above.lines[2 * k : 2 * k + 2])
         assert circle[0] == pytest.approx(np.degrees(solved.grid.radii[k]))
@@ -370,11 +368,13 @@ def test_limbs_of_any_chain_are_mapped_within_their_own_limits(bench: Bench) -> 
     """Pose by pose, the same frequencies; the strokes end the map, and no option beside them."""
     texts = {"case_file": str(MECHANISMS), "cases": "rps-real", "model": "euler-bernoulli@1"}
     found = workspace.run(asked(**texts, grid="12x2", layers="450", modes="1"), bench)
-    region, grid = found.map.region, found.map.grid
+    grid = found.map.grid
+    region = grid.region
     robot = region.mechanism
-    pose = grid.pose(0, 3, grid.rim[0])
+    last = int(grid.rim[0, 3].argmax())
+    pose = grid.poses[0, 3, last]
     f = Substructure(1).frequencies(robot, pose, 1)
-    assert found.map.frequencies[0, 3, grid.rim[0]] == pytest.approx(f, rel=1e-12)
+    assert found.map.frequencies[0, 3, last] == pytest.approx(f, rel=1e-12)
     # A cylinder of 250 mm and a leg of 100 to 400 mm between radii of 300 and 200 mm.
     ends = [np.sqrt(length**2 - 0.1**2) for length in (0.35, 0.65)]
     assert region.circles.z[[0, -1]] == pytest.approx(ends, abs=1e-9)

@@ -1,8 +1,8 @@
 """Time against error: what an element costs and what it buys, for every model."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -13,15 +13,17 @@ from analytic.pairing import pair
 from harness.bench import SPARE, Bench, Study, label
 from harness.case import Case
 from harness.causes import THEORIES
-from harness.compare import failure_notes, relative_error
+from harness.columns import laid_out
+from harness.compare import failure_notes, percent, relative_error
+from harness.figures import COLOURS, panels
 from harness.presets import PAPER_ELEMENTS, solid_truth
 from harness.request import Option, Plan, Request, whole
 from harness.result import Result
 from harness.rows import mode_rows, settings
 from harness.signatures import Array, Figure
-from harness.tables import Cell, Number, Table
+from harness.tables import Table
 from harness.timing import Spent, Timed, Timings, Way, time_ways
-from harness.unbeaten import unbeaten
+from harness.unbeaten import Mark, draw_front, draw_rest, unbeaten
 from reference_models import Named
 from reference_models.richardson import extrapolated
 
@@ -34,6 +36,8 @@ TARGETS = (1.0, 0.1, 0.01)
 """Errors [%] that a user may be content with."""
 STEPS = (1, 2, 3, 4, 8, 16, 32)
 """Elements of beams."""
+LEAST = 1e-9
+"""Errors are drawn no smaller than this [%]: below it is rounding."""
 BATCH = 100
 """Poses a call of models that take many at once."""
 SOLVERS = ("null-space", "saddle-point")
@@ -51,8 +55,8 @@ class Point:
     """One way to solve a pose, with what it costs and how far off it is.
 
     Attributes: `method` and `size` in words; `model`; `seconds` a pose; `dofs`; `poses` a call, 0
-    for one pose with its modes; `own`, `solid`: errors against the limit of its own theory and
-    against solids, (cases, COUNT) [%], None where there is no such truth.
+    for one pose with its modes; `errors` by kind, (cases, COUNT) [%]: None, or no kind, where there
+    is no such truth.
     """
 
     method: str
@@ -61,12 +65,11 @@ class Point:
     seconds: float
     dofs: int | None
     poses: int
-    own: Array | None
-    solid: Array | None
+    errors: Mapping[str, Array | None]
 
     def worst(self, kind: str, modes: int) -> float:
         """Return the largest error of the lowest `modes` at any case [%]; NaN without a truth."""
-        errors = self.own if kind == OWN else self.solid
+        errors = self.errors.get(kind)
         return float("nan") if errors is None else float(np.abs(errors[:, :modes]).max())
 
     @property
@@ -88,15 +91,16 @@ class WorkPrecision(Result):
     truth: Named | None
 
     @property
-    def studies(self) -> tuple[Study, ...]:
-        """What was solved for it."""
-        return (self.study,)
-
-    @property
     def kinds(self) -> dict[str, str]:
         """The kinds of error, and what each is taken against in words."""
         found = {OWN: "the exact limit of its own theory"}
         return found if self.truth is None else found | {SOLID: self.truth.label}
+
+    @property
+    def asked(self) -> list[tuple[str, str, str, int]]:
+        """Every kind of error, what it is against, and every group with its number of modes."""
+        return [(kind, against, group, modes) for kind, against in self.kinds.items()
+                for group, modes in GROUPS.items()]  # fmt: skip
 
     def known_to(self, kind: str, modes: int) -> float:
         """Return the truth's own uncertainty of the lowest `modes` at any case [%]."""
@@ -108,24 +112,16 @@ class WorkPrecision(Result):
              for m in found if m.uncertainty is not None), default=0.0,
         )  # fmt: skip
 
-    def front(self, kind: str, modes: int, many: bool | None = None) -> list[Point]:
-        """Return the points that nothing beats in both time and error, by ascending time.
-
-        `many`: only ways of many poses a call, or only of one; None: all.
-        """
-        known = [
-            p for p in self.points
-            if np.isfinite(p.worst(kind, modes)) and many in (None, p.poses > 1)
-        ]  # fmt: skip
+    def front(self, kind: str, modes: int) -> list[Point]:
+        """Return the points that nothing beats in both time and error, by ascending time."""
+        known = (p for p in self.points if np.isfinite(p.worst(kind, modes)))
         return unbeaten(known, lambda p: (p.seconds, p.worst(kind, modes)))
 
     def cheapest(self, kind: str, modes: int, target: float, many: bool) -> Point | None:
         """Return the fastest way that is surely within `target` [%], or None."""
         unsure = self.known_to(kind, modes)
-        good = [
-            p for p in self.points
-            if (p.poses > 1) == many and p.worst(kind, modes) + unsure <= target
-        ]  # fmt: skip
+        good = (p for p in self.points
+                if (p.poses > 1) == many and p.worst(kind, modes) + unsure <= target)  # fmt: skip
         return min(good, key=lambda p: p.seconds, default=None)
 
     def records(self) -> list[dict[str, Any]]:
@@ -134,69 +130,83 @@ class WorkPrecision(Result):
             {
                 "method": p.method, "elements": p.size, "poses_a_call": max(1, p.poses),
                 "seconds_a_pose": p.seconds, "dofs": p.dofs,
-                **{
-                    f"{group}_{kind.replace(' ', '_')}_percent": p.worst(kind, modes)
-                    for kind in self.kinds for group, modes in GROUPS.items()
-                },
+                **{f"{group}_{kind.replace(' ', '_')}_percent": p.worst(kind, modes)
+                   for kind, _, group, modes in self.asked},
             }
             for p in self.points
         ]  # fmt: skip
 
     def tables(self) -> dict[str, Table]:
         """Return the cheapest ways to a precision, and the front."""
-        return {"": self._cheapest_table(), "-front": self._front_table()}
-
-    def _cheapest_table(self) -> Table:
-        rows: list[tuple[Cell, ...]] = []
-        for kind, against in self.kinds.items():
-            for group, modes in GROUPS.items():
-                for target in TARGETS:
-                    best = [self.cheapest(kind, modes, target, many) for many in (False, True)]
-                    said = ["none" if one is None else one.name for one in best]
-                    rows.append((against, group, Number(target, 2), *said))
-        columns = ("Against", "Modes", "Target [%]", "One pose", f"{BATCH} poses a call")
-        notes = [
+        best = (
+            (against, group, target,
+             *("none" if p is None else p.name
+               for many in (False, True) for p in [self.cheapest(kind, modes, target, many)]))
+            for kind, against, group, modes in self.asked for target in TARGETS
+        )  # fmt: skip
+        notes = (
             "the fastest way whose error, with the truth's own uncertainty, stays below the target",
             f"time of a pose, matrices included; {self.timings.rounds} rounds, one BLAS thread",
             *(f"{method}: {why}" for method, why in self.timings.left_out.items()),
             *failure_notes(self.study),
-        ]
-        return Table("The cheapest way to a precision", columns, tuple(rows), tuple(notes))
-
-    def _front_table(self) -> Table:
-        rows = [
-            (against, group, point.method, point.size, Number(1e3 * point.seconds, 4),
-             Number(point.worst(kind, modes), 6))
-            for kind, against in self.kinds.items()
-            for group, modes in GROUPS.items()
-            for point in self.front(kind, modes)
-        ]  # fmt: skip
-        columns = ("Against", "Modes", "Way", "Elements", "ms a pose", "Largest error [%]")
-        return Table("What nothing beats in time and error", columns, tuple(rows))
+        )
+        front = (
+            (against, group, p.method, p.size, 1e3 * p.seconds, p.worst(kind, modes))
+            for kind, against, group, modes in self.asked for p in self.front(kind, modes)
+        )  # fmt: skip
+        about: dict[str, int | None] = {"Against": None, "Modes": None}
+        ways = {"Target [%]": 2, "One pose": None, f"{BATCH} poses a call": None}
+        shown = {"Way": None, "Elements": None, "ms a pose": 4, "Largest error [%]": 6}
+        return {
+            "": laid_out("The cheapest way to a precision", about | ways, best, notes),
+            "-front": laid_out("What nothing beats in time and error", about | shown, front),
+        }
 
     def figures(self) -> dict[str, Figure]:
-        """Return the front: error against time, what is beaten faint behind it."""
-        from harness.studies.precision.figure import precision_figure
+        """Return error against time, log-log: a column a group of modes, a row a truth.
 
-        return {"": precision_figure(self)}
+        What nothing beats is drawn in colour and named; what is beaten is faint behind it.
+        """
+        title = (
+            "Ways that nothing beats, for one pose (blue) and many poses a call (orange); "
+            "grey: all others"
+        )
+        figure, grid = panels(title, len(self.kinds), len(GROUPS), (6, 5.2))
+        for axes, (kind, against, group, modes) in zip(grid.flat, self.asked, strict=True):
+            axes.set_title(f"{group}, against {against}", fontsize=10)
+            axes.set_xlabel("time of a pose [ms]")
+            found = [(p, p.worst(kind, modes)) for p in self.points]
+            placed = [(Mark(1e3 * p.seconds, max(LEAST, error), label(p.model)), p.poses > 1)
+                      for p, error in found if np.isfinite(error)]  # fmt: skip
+            draw_rest(axes, [mark for mark, _ in placed])
+            for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
+                front = unbeaten((s for s, batch in placed if batch == many), lambda s: (s.x, s.y))
+                draw_front(axes, front, colour, right=not many, thin=True)
+            axes.set(xscale="log", yscale="log")
+            axes.margins(x=0.5, y=0.1)  # names stand on either side of what is drawn
+            axes.grid(alpha=0.25)
+            if unsure := self.known_to(kind, modes):
+                axes.axhspan(LEAST / 2, unsure, color="0.92", zorder=0)
+                said = f"grey band: the truth is known to {percent(unsure)}"
+                axes.text(0.99, 0.01, said, fontsize=7, ha="right", va="bottom",
+                          transform=axes.transAxes)  # fmt: skip
+                axes.set_ylim(bottom=unsure / 3)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("largest error [%]")
+        return {"": figure}
 
     def sentences(self) -> list[str]:
         """Return the cheapest way to 0.1 % of one pose, for each truth and all modes."""
-        lines = []
-        for kind, against in self.kinds.items():
-            best = self.cheapest(kind, 6, 0.1, many=False)
-            if best is not None:
-                lines.append(
-                    f"The cheapest way to 0.1 % of {against} on f1-f6: {best.name} a pose."
-                )
-        return lines
+        return [
+            f"The cheapest way to 0.1 % of {against} on f1-f6: {best.name} a pose."
+            for kind, against in self.kinds.items()
+            if (best := self.cheapest(kind, COUNT, 0.1, many=False)) is not None
+        ]
 
     def rows(self) -> list[dict[str, Any]]:
         """Return the truths' rows and one a timed way and mode; `solve_s` is its whole time."""
-        found = self.study.rows()
-        for one in self.timings.timed:
-            found += timed_rows(one, self.cases, "work-precision")
-        return found
+        timed = (timed_rows(one, self.cases, "work-precision") for one in self.timings.timed)
+        return [*self.study.rows(), *chain.from_iterable(timed)]
 
     def failures(self) -> dict[str, str]:
         """Return what has no answer, and why."""
@@ -238,21 +248,22 @@ def every_way(theory: Named, references: Sequence[Named], steps: Sequence[int]) 
 
 
 def work_precision(
-    cases: Sequence[Case],
-    ways: Sequence[Way],
-    truth: Named | None,
-    rounds: int,
-    bench: Bench,
+    cases: Sequence[Case], ways: Sequence[Way], truth: Named | None, rounds: int, bench: Bench
 ) -> WorkPrecision:
     """Time every way at `cases` and set its errors beside it; `truth`: what stands for solids."""
     limits = [limit for way in ways if (limit := way.model.limit()) is not None]
     study = bench.run(cases, [*limits, *([] if truth is None else [truth])], COUNT)
     cases = study.complete(*study.models) or study.cases
     timings = time_ways(bench, ways, cases, rounds, COUNT + EXTRA)
-    points = [_point(one, cases, study, truth, bench) for one in timings.timed]
-    points += [_point(one, cases, study, truth, bench) for one in _extrapolated(timings, cases)]
-    place = {method: k for k, method in enumerate(dict.fromkeys(w.method for w in ways))}
-    points.sort(key=lambda point: place[point.method])
+    points = []
+    for one in (*timings.timed, *_extrapolated(timings, cases)):
+        way, errors = one.way, dict[str, Array | None]()
+        for kind, against in ((OWN, way.model.limit()), (SOLID, truth)):
+            errors[kind] = None if against is None else _errors(one, cases, study, against, bench)
+        seconds, dofs = one.median(), one.dofs
+        points.append(Point(way.method, way.size, way.model, seconds, dofs, way.poses, errors))
+    place = [*dict.fromkeys(way.method for way in ways)]
+    points.sort(key=lambda point: place.index(point.method))
     return WorkPrecision(tuple(cases), tuple(points), study, timings, truth)
 
 
@@ -290,31 +301,20 @@ def _extrapolated(timings: Timings, cases: Sequence[Case]) -> list[Timed]:
     return found
 
 
-def _point(
-    one: Timed, cases: Sequence[Case], study: Study, truth: Named | None, bench: Bench
-) -> Point:
-    limit = one.way.model.limit()
-    own = None if limit is None else _errors(one, cases, study, limit, bench)
-    solid = None if truth is None else _errors(one, cases, study, truth, bench)
-    way = one.way
-    return Point(way.method, way.size, way.model, one.median(), one.dofs, way.poses, own, solid)
-
-
 def _errors(
     one: Timed, cases: Sequence[Case], study: Study, truth: Model, bench: Bench
 ) -> Array | None:
     """Return 100 (f / f_truth - 1) [%] for each mode of the truth, partners found by shape."""
     rows = []
-    for place, case in enumerate(cases):
-        exact, shaped = study.first(case, truth), one.answers[place]
-        if exact is None:
-            return None
-        if not isinstance(shaped, Modes):
+    for case, answer in zip(cases, one.answers, strict=True):
+        exact, shaped = study.first(case, truth), (
             # Frequencies alone have the shapes of the same model, asked for its modes.
-            solved = bench.solve(one.way.model, case.mechanism, case.pose, COUNT + SPARE)
-            if not isinstance(solved, Modes):
-                return None
-            shaped = solved
+            answer if isinstance(answer, Modes)
+            else bench.solve(one.way.model, case.mechanism, case.pose, COUNT + SPARE)
+        )  # fmt: skip
+        if exact is None or not isinstance(shaped, Modes):
+            return None
+        found = answer.frequencies if isinstance(answer, Modes) else answer
         partner = pair(exact, shaped, case.mechanism, case.pose).partner
-        rows.append(relative_error(one.frequencies(place)[partner], exact.frequencies))
+        rows.append(relative_error(found[partner], exact.frequencies))
     return np.array(rows)
