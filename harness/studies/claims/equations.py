@@ -1,7 +1,6 @@
 """The paper's equations as printed, put to the test."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,11 +19,14 @@ from analytic.substructure import (
 from harness.case import Case
 from harness.signatures import Array
 
+Formula = Callable[..., Any]
 SIZES = range(1, 9)
 """Numbers of elements whose matrices are counted."""
 PHI, THETA = np.radians([10.0, -12.0])
 """The angles of Case 2 [rad]."""
 POSES = 200
+THICKNESS = 0.02
+"""h of Section 2 [m]."""
 STEP = 1e-4
 """Rotation by which Eq. (10) is differentiated, centrally [rad]."""
 
@@ -54,36 +56,35 @@ def random_poses(count: int) -> Pose:
     return Pose(z, azimuth, np.radians(random.uniform(-20, 20, count)))
 
 
-@dataclass(frozen=True)
-class Formulas:
-    """What is put to the test: Eqs. (1), (2), J_i of Eq. (10), Eq. (8) and h of Section 2 [m]."""
+def equations(
+    cases: Sequence[Case],
+    *,
+    rotation: Formula = printed_rotation,
+    position: Formula = printed_position,
+    arm: Formula = rigid_arm,
+    platform: Formula = Platform.as_printed,
+) -> Any:
+    """Return the residuals of formulas and of the model, for the mechanism of `cases`.
 
-    rotation: Callable[[Array, Array], Array] = printed_rotation
-    position: Callable[[float, Array, Array], tuple[Array, Array]] = printed_position
-    arm: Callable[[Array], Array] = rigid_arm
-    platform: Callable[[float, float, float], Platform] = Platform.as_printed
-    thickness: float = 0.02
-
-
-def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
-    """Return the residuals of `formulas` and of the model, for the mechanism of `cases`."""
+    Put to the test are Eqs. (1) and (2), J_i of Eq. (10), and the plate of Eq. (8).
+    """
     mechanism = cases[0].mechanism
     poses = random_poses(POSES)
-    R = formulas.rotation(poses.azimuth, poses.tilt)
+    R = rotation(poses.azimuth, poses.tilt)
     r2 = np.linalg.norm(mechanism.platform_points[0]).item()
-    x, y = formulas.position(r2, poses.azimuth, poses.tilt)
+    x, y = position(r2, poses.azimuth, poses.tilt)
     o = np.stack([x, y, poses.z], axis=-1)
     # Eq. (3), limb by limb: (poses, n, 3).
     vectors = o[:, None] + mechanism.platform_points @ R.swapaxes(1, 2) - mechanism.bases
     lengths = np.linalg.norm(vectors, axis=-1)
-    turns = formulas.rotation(np.array([PHI, 0.0]), np.array([0.0, THETA]))
+    turns = rotation(np.array([PHI, 0.0]), np.array([0.0, THETA]))
     alone, theta = Rotation.from_matrix(turns).as_rotvec()
     headings = np.radians(np.arange(0, 360, 5))
     # The revolute axis is y of the limb's frame R_i: (headings, poses, n, 3).
     turned = [limbs_at(Mechanism.paper(heading=h), poses) for h in headings.tolist()]
     axes = np.array([limbs.frames[..., 1] for limbs in turned])
     density = mechanism.limbs[0].rod.material.density
-    plate = formulas.platform(r2, formulas.thickness, density)
+    plate = platform(r2, THICKNESS, density)
     opened, apart, clamped = zip(*(_against_multipliers(case) for case in cases), strict=True)
     orthogonal, right = R.swapaxes(1, 2) @ R - np.eye(3), np.linalg.det(R) - 1
     return SimpleNamespace(
@@ -96,7 +97,7 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
         beside_plane=np.abs(np.einsum("ij,pij->pi", mechanism.axes, vectors)).max(),
         # Largest difference of L_i, Eq. (3), from the model's [m].
         lengths_apart=np.abs(lengths - limbs_at(mechanism, poses).lengths).max(),
-        compatibility=_compatibility(mechanism, formulas.arm),
+        compatibility=_compatibility(mechanism, arm),
         freedoms=_freedoms(cases[-1]),  # of the platform with its actuators free
         sizes={s: _sizes(cases[0], s) for s in SIZES},
         headings=headings,  # turns of the base (n,) [rad]
@@ -112,11 +113,11 @@ def equations(cases: Sequence[Case], formulas: Formulas = Formulas()) -> Any:
         base_clamped=dict(zip((case.name for case in cases), clamped, strict=True)),
         # The printed platform's Jx, Jy, Jz over its mass [m^2].
         moments=np.diag(np.array(plate.inertia)) / plate.mass,
-        thickness=formulas.thickness,  # h [m]
+        thickness=THICKNESS,  # h [m]
     )
 
 
-def _compatibility(mechanism: Mechanism, arm: Callable[[Array], Array]) -> float:
+def _compatibility(mechanism: Mechanism, arm: Formula) -> float:
     """Return the largest error of `arm` against turning A_i about each axis by `STEP`."""
     turn, worst = Rotation.from_rotvec(STEP * np.eye(3)), 0.0
     for point in np.array(mechanism.platform_points):  # a copy: rotating needs one to write to

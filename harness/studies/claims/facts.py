@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from analytic import Limits, Pose, Substructure, limbs_at
+from analytic import Limits, Pose, limbs_at, stiffness
 from harness.bench import Bench, Study
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.causes import THEORIES as NAMES
 from harness.compare import match
 from harness.paper import TABLE_ONE, Paper
-from harness.presets import LIMB_SOLIDS, PAPER_ELEMENTS, PAPER_MODEL, STAND_IN, solid_truth
+from harness.presets import LIMB_SOLIDS, PAPER_MODEL, STAND_IN, solid_truth
 from harness.signatures import Array
 from harness.studies.claims.equations import equations
 from harness.studies.cost.work import FORMULATIONS, counted
@@ -236,12 +236,12 @@ class Facts:
         shown = range(1, MODES + 1)
         result = slenderness(self.cases, ratios.tolist(), [EXACT], TIMOSHENKO, shown, self.bench)
         self._kept(result.study)
-        stiffness = [
-            max(100 * np.abs(_stiffness_ratios(with_rods(c, r)) - 1).max() for c in self.cases)
-            for r in ratios.tolist()
-        ]
-        apart = np.abs([result.errors[case, EXACT] for case in self.cases]).max(axis=0)
-        return SimpleNamespace(ratios=ratios, frequencies=apart, stiffness=np.array(stiffness))
+        static = [[_stiffness_ratios(with_rods(c, r)) for c in self.cases] for r in ratios.tolist()]
+        return SimpleNamespace(
+            ratios=ratios,
+            frequencies=np.abs([result.errors[case, EXACT] for case in self.cases]).max(axis=0),
+            stiffness=100 * np.abs(np.array(static) - 1).max(axis=(1, 2)),
+        )
 
     @cached_property
     def equations(self) -> Any:
@@ -321,10 +321,8 @@ def _stiffness_ratios(case: Case) -> Array:
 
     Eigenvalues of the pair: the extremes over all directions of load.
     """
-    pair = []
-    for model in (EXACT, TIMOSHENKO):
-        theory = Substructure(PAPER_ELEMENTS, model.name)
-        K = theory.matrices(case.mechanism, case.pose)[0].toarray()
-        pair.append(np.linalg.inv(np.linalg.inv(K)[-6:, -6:]))
-    euler, timoshenko = ((A + A.T) / 2 for A in pair)
+    euler, timoshenko = (
+        stiffness(case.mechanism, case.pose, beam=model.name).matrix
+        for model in (EXACT, TIMOSHENKO)
+    )
     return np.asarray(scipy.linalg.eigh(euler, timoshenko, eigvals_only=True))

@@ -47,7 +47,7 @@ OPTIONS = (
            one_of("inertia", "disc", "printed")),
     Option("frames", "stated|mirrored|both", "stated, mirrored (limbs lean to the wrong side, a "
            "slip) or both; default both for Table I, else stated.", None,
-           one_of("frames", "stated", "mirrored", "both")),
+           one_of("frames", *FRAMES)),
     Option("starts", "N", "Starts of each search; default 16.", "16", whole("starts", 1, 256)),
     Option("noise", "PERCENT", "Relative standard deviation of a value; default the residuals' "
            "own, or rounding.", None, real("noise", "a percentage above 0, up to 100",

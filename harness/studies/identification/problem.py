@@ -49,6 +49,8 @@ ANGLES = {"azimuth": 180.0, "tilt": 45.0, "torsion": 45.0}
 """Default bounds of angles [deg]: so far from zero, or from what is given if that is beyond."""
 SIGNED = (*ANGLES, "x", "y")
 """What may be zero or change its sign."""
+POSED = (*SIGNED, "z")
+"""What is of a pose, which may be another in each case."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +67,6 @@ class Parameter:
     high: float
     linear: bool
     si: float
-
-    @property
-    def posed(self) -> bool:
-        """Whether it is of a pose, which may be another in each case."""
-        return self.name in (*SIGNED, "z")
 
 
 def split(name: str) -> tuple[str, str]:
@@ -192,8 +189,8 @@ class Problem:
         for name in sorted(self.names, key=lambda name: "." not in name):  # own ones first
             case, dot, own = name.rpartition(".")
             known = self.known[0]
-            if own not in known or (dot and not (known[own].posed and case in cases)):
-                poses = ", ".join(f"{cases[-1]}.{n}" for n, p in known.items() if p.posed)
+            if own not in known or (dot and not (known[own].name in POSED and case in cases)):
+                poses = ", ".join(f"{cases[-1]}.{n}" for n, p in known.items() if p.name in POSED)
                 expected = f"one of {', '.join(known)}, or of one case as {poses}"
                 raise InputError(self.argument, name, expected)
             for one, names in zip(self.table.cases, found, strict=True):

@@ -15,7 +15,7 @@ from harness.paper import FORMS, Claim
 from harness.studies.claims import CHECKS, FAILS, KINDS, WORDS, find
 from harness.studies.claims import equations as claims_equations
 from harness.studies.claims.check_cost import faster
-from harness.studies.claims.equations import Formulas, equations, printed_position, printed_rotation
+from harness.studies.claims.equations import equations, printed_position, printed_rotation
 from harness.studies.claims.facts import CASES, PAPER, TABLE, Facts, Reference, Spent, checked
 
 SLOW_THEORY = {
@@ -156,14 +156,14 @@ def never_the_same(facts: Facts, claim: Claim) -> Facts:
 
 def wrong(which: str) -> Callable[[Facts, Claim], Facts]:
     """The equations with a slip in one of them."""
-    formulas = {
-        "rotation": Formulas(rotation=lambda phi, theta: printed_rotation(phi, theta) + 0.01),
-        "angles": Formulas(rotation=_about_x_and_y),
-        "position": Formulas(position=lambda *a: tuple(2 * v for v in printed_position(*a))),
-        "arm": Formulas(arm=lambda a: rigid_arm(-a)),
-        "platform": Formulas(platform=Platform.disc),
+    formulas: dict[str, Any] = {
+        "rotation": {"rotation": lambda phi, theta: printed_rotation(phi, theta) + 0.01},
+        "angles": {"rotation": _about_x_and_y},
+        "position": {"position": lambda *a: tuple(2 * v for v in printed_position(*a))},
+        "arm": {"arm": lambda a: rigid_arm(-a)},
+        "platform": {"platform": Platform.disc},
     }[which]
-    return lambda facts, claim: facts.but(equations=equations(TABLE, formulas))
+    return lambda facts, claim: facts.but(equations=equations(TABLE, **formulas))
 
 
 def _about_x_and_y(phi: Any, theta: Any) -> Any:
