@@ -17,10 +17,11 @@ from analytic.pairing import TRUSTED, assurance, mass_vectors
 from harness.bench import Bench, label
 from harness.cases import PRESETS
 from harness.declared import STILL
-from harness.gate.finding import Finding
-from harness.gate.measured import measure
+from harness.gate.equivalents import precision
+from harness.gate.figures import Finding
+from harness.gate.gate import measure
 from harness.gate.plan import MODES, Checked, Plan, solve, standard
-from harness.gate.properties import precision, properties
+from harness.gate.properties import properties
 from harness.plugins import Question
 from harness.poses import turned as turned_pose
 from harness.result import Result
@@ -101,11 +102,11 @@ def verify(name: str, bench: Bench | None = None) -> Verified:
         return Verified(name, tuple(described))
     plan = _plan(name)
     checked = solve(plan, bench)
-    answers = [*described, _answered(checked, bench)]
+    answers = [*described, _answered(checked)]
     if answers[-1].holds:
-        about = ((one, parse(one.model, "model").name) for one in properties(checked, bench))
+        about = ((one, parse(one.model, "model").name) for one in properties(checked))
         answers += [_property(one) for one, of in about if of == name]
-        answers += [_order(checked, bench), *_repeated(checked)]
+        answers += [_order(checked), *_repeated(checked)]
     answers += _refusals(plan.everywhere[0], bench)
     return Verified(name, tuple(answers), (checked.cases,))
 
@@ -146,7 +147,7 @@ def _plan(name: str) -> Plan:
     return replace(plan, mapped=(coarse,), poses=turned)
 
 
-def _answered(checked: Checked, bench: Bench) -> Answer:
+def _answered(checked: Checked) -> Answer:
     """What fails as an answer arrives: units, shapes, joints, modal mass, mode counts."""
     question = "its answers can be believed: hertz, modes, joints, shapes, modal mass"
     said = {
@@ -169,10 +170,10 @@ def _property(one: Finding) -> Answer:
     return Answer(f"{one.quantity}: {one.model}", not one.fails, said)
 
 
-def _order(checked: Checked, bench: Bench) -> Answer:
+def _order(checked: Checked) -> Answer:
     """Its frequencies converge at the order that it declares."""
     question = "its order of convergence is as declared"
-    orders = measure(checked, bench).orders.values()
+    orders = measure(checked).orders.values()
     if not orders:
         return Answer(question, None, "no three meshes whose differences are more than rounding")
     formal = checked.plan.ladders[0][0].info().order
@@ -187,7 +188,7 @@ def _repeated(checked: Checked) -> Iterator[Answer]:
     off, bound, alike = 0.0, 0.0, ""
     for (case, model), modes in checked.cases.answers.items():
         if case == LEVEL:
-            f, own = modes.frequencies, precision(model, case.mechanism, case.pose)
+            f, own = modes.frequencies, precision(model, case)
             off, bound = max((off, bound), (abs(f[1] / f[0] - 1), float(own[:2].sum())))
         v = mass_vectors(modes.first(MODES), case.mechanism, case.pose)
         matrix = np.triu(assurance(v, v, np.arange(1.0, MODES + 1)), 1)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from analytic import InputError
 from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
 from harness.cli.flags import LATEST
@@ -17,8 +18,8 @@ from harness.plain import plain
 
 if TYPE_CHECKING:
     from harness.bench import Bench
-    from harness.gate.plan import Checked, Plan
-    from harness.gate.ratchet import Baseline
+    from harness.gate.figures import Figures
+    from harness.gate.plan import Plan
     from harness.gate.report import Report
 
 FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
@@ -34,7 +35,7 @@ def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
         flags.option("models", "A,B", "These models only, by name."),
         flags.option("baseline", "DIR", f"Accepted figures, or none; default {BASELINE}, or the "
                      "release's; with --case-file a folder of your own is needed."),
-        flags.option("case_file", *flags.FLAGS["case_file"]),
+        flags.standard("case_file"),
     ):  # fmt: skip
         command = option(command)
     return command
@@ -61,7 +62,6 @@ def check(
     frequencies, shapes, mode counts, orders and seconds with the baseline; and checks what needs
     none: symmetries, units, limits, agreement. `rps-bench accept` takes what was found.
     """
-    from analytic import InputError
     from harness.bench import Bench
     from harness.gate.report import FORMS
     from harness.output import check_file, write_all
@@ -77,7 +77,7 @@ def check(
     targets += [(form, check_file(text, form)) for form, text in files.items() if text is not None]
     plan, _, known = _asked(**texts)
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report, _ = _look(plan, known, bench, history)
+        report = _look(plan, known, bench, history)
     for form, path in targets:
         write_all(path.parent, {path.name: FORMS[form](report)})
     if output is not None:
@@ -105,10 +105,9 @@ def accept(
     Tolerances only tighten, unless a reason is given; it is kept. Figures of models that cannot run
     here stay. With --case-file it makes and keeps a baseline of your own mechanism.
     """
-    from analytic import InputError
     from harness.accepted import files, unlike
     from harness.bench import Bench
-    from harness.gate.files import save
+    from harness.gate.figures import save
     from harness.gate.gate import NotAcceptedError, accepted
     from harness.output import write_all
 
@@ -120,27 +119,26 @@ def accept(
     usual = LATEST if texts["case_file"] is None else "none"
     source = usual if latest is None else latest
     shown = {} if source == "none" else files(Path(source))
-    wanted = () if known is None else known.figures.simulators
-    if shown and not reason and (why := unlike(Path(source), wanted)):
+    if shown and not reason and (why := unlike(Path(source), known.simulators if known else ())):
         expected = f"what the main job wrote, none, or a --reason to show another run ({why})"
         raise InputError("latest", source, expected)
+    refused = ""
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report, checked = _look(plan, known, bench, history)
+        report = _look(plan, known, bench, history)
         try:
-            new: Baseline | None = accepted(report, checked, bench, reason or "")
+            new = accepted(report, reason or "")
         except (NotAcceptedError, InputError) as error:
-            new, refused = None, flags.dashed(str(error))
-    if new is None:
-        _display(report)
-        click.echo(f"rps-bench: {plain(refused)}", err=True)
-        return 1
-    save(folder, new)
-    if shown:
+            refused = flags.dashed(str(error))
+    if not refused:
+        save(folder, new)
         write_all(Path(ACCEPTED), shown)
     _display(report)
-    before = 0 if known is None else len(known.reasons)
+    if refused:
+        click.echo(f"rps-bench: {plain(refused)}", err=True)
+        return 1
+    reasons = len(new.reasons) - len(known.reasons if known else ())
     click.echo(f"accepted into {folder}/: {len(report.now.modes)} frequencies, "
-               f"{len(new.reasons) - before} with a reason")  # fmt: skip
+               f"{reasons} with a reason")  # fmt: skip
     if shown:
         click.echo(f"accepted into {ACCEPTED}/: {', '.join(shown)}")
     return 0
@@ -148,14 +146,13 @@ def accept(
 
 def _asked(
     case_file: str | None, baseline: str | None, models: str | None, quick: bool, new: bool = False
-) -> tuple["Plan", Path | None, "Baseline | None"]:
+) -> tuple["Plan", Path | None, "Figures | None"]:
     """Return the plan, the baseline's folder and what is in it; `new`: where one may be made.
 
     Raises `InputError` naming the argument that is wrong, before anything is solved.
     """
-    from analytic import InputError
     from harness.accepted import baseline as usual
-    from harness.gate.files import load
+    from harness.gate.figures import load
     from harness.gate.plan import standard
     from harness.output import check_folder
     from harness.presets import PAPER_CASES
@@ -175,34 +172,27 @@ def _asked(
     return standard(cases, names, quick=quick), folder, known
 
 
-def _look(
-    plan: "Plan", known: "Baseline | None", bench: "Bench", history: Path | None
-) -> tuple["Report", "Checked"]:
+def _look(plan: "Plan", known: "Figures | None", bench: "Bench", history: Path | None) -> "Report":
     """Solve and compare; this run is in the history that its seconds are compared with."""
-    from harness.gate import gate
+    from harness.gate.gate import look
     from harness.gate.plan import solve
     from harness.history.provenance import provenance
+    from harness.history.store import append
 
-    began = perf_counter()
-    said = {
-        "command": flags.as_typed(),
-        "time": datetime.now(UTC).isoformat(timespec="seconds"),
-        **provenance(),
-    }
+    began, command = perf_counter(), flags.as_typed()
+    time = datetime.now(UTC).isoformat(timespec="seconds")
+    about = {"command": command, "time": time, **provenance()}
     checked = solve(plan, bench)
     if history is not None:
-        from harness.history.store import append
-
-        append(history, checked.rows, flags.as_typed())
-    report = gate.look(checked, bench, known, said, history)
+        append(history, checked.rows, command)
+    report = look(checked, known, about, history)
     seconds = round(perf_counter() - began, 1)
-    return replace(report, about={**report.about, "seconds": seconds}), checked
+    return replace(report, about={**about, "seconds": seconds})
 
 
 def _display(report: "Report") -> None:
     """Print how much was compared, what moved, and the outcome."""
-    tables = report.tables()
-    show_tables(*(tables[ending] for ending in ("", "-findings") if ending in tables))
+    show_tables(*(table for end, table in report.tables().items() if end in ("", "-findings")))
     outcome, *notes = report.sentences()
     for line in (*notes, outcome):
         click.echo(plain(line))
@@ -219,7 +209,7 @@ def _compare(text: str, models: str | None, output: Path | None, limit: float) -
     named = study(*both, None if models is None else split("models", models))
     with Bar() as bar:
         table = compare(*both, chosen(None, None, PAPER_CASES), named, limit=limit, listener=bar)
-    paths = write_all(output, table.files("environments")) if output is not None else []
+    paths = [] if output is None else write_all(output, table.files("environments"))
     show_tables(table)
     for path in paths:
         click.echo(f"wrote {path}")

@@ -1,8 +1,13 @@
-"""What a check runs: every model of the catalogue on its ladder of meshes, and a small map."""
+"""What a check runs: every model of the catalogue on its ladder of meshes, and a small map.
 
+Beside it a yardstick says how fast the machine is: an eigen-solution of known answer, timed.
+"""
+
+import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -12,7 +17,6 @@ from analytic.model import Model
 from harness.answer import Batch, BatchTask
 from harness.bench import Bench, Study, label
 from harness.case import Case
-from harness.gate.yardstick import yardstick, yardstick_row
 from harness.presets import GATE_MAP, GATE_MORE
 from harness.rows import GATE
 from harness.workers import Failure, attempt
@@ -28,6 +32,8 @@ LEAST = 0.01
 NOT_ASKED = "not asked for"
 PLACE = f"{GATE} z="
 """What the name of a pose of the map begins with; its coordinates follow."""
+YARDSTICK, REPEATS = "yardstick", 15
+"""The model and case of the row that says how fast the machine was."""
 
 
 @dataclass(frozen=True)
@@ -56,12 +62,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class Checked:
-    """What a plan gave: modes at the `cases` and over the `workspace`, `batches` by model.
+    """What a plan gave on a `bench`: modes at the `cases` and over the `workspace`.
 
-    `rows`: tidy, for the history.
+    `batches`: of models that take many poses a call; `rows`: tidy, for the history.
     """
 
     plan: Plan
+    bench: Bench
     cases: Study
     workspace: Study
     batches: Mapping[Model, Batch | Failure]
@@ -85,26 +92,26 @@ def standard(
     for name in names or ():
         if name not in known:
             raise InputError("models", name, f"some of {', '.join(known)}")
-    skipped, chosen = {}, {}
+    skipped: dict[str, str] = {}
+    ladders, exact, extrapolated = [], list[Named](), list[Named]()
     for name, info in known.items():
         if (names is not None and name not in names) or (quick and info.slow):
             skipped[name] = NOT_ASKED
         elif info.missing:
             skipped[name] = f"cannot run here: {info.missing}"
         else:
-            chosen[name] = info
-    ladders = tuple(tuple(Named(name, n) for n in one.ladder) for name, one in chosen.items())
-    singles = [Named(name, None) for name, info in chosen.items() if info.limit == name]
-    # Of a slow model the meshes themselves are enough.
-    singles += [
-        Named(name, info.refinements)
-        for name, info in chosen.items()
-        if info.refinements is not None and not info.slow
-    ]
-    singles += [model for model in GATE_MORE if model.name in chosen]
-    mapped = tuple(model for model in GATE_MAP if model.name in chosen)
-    asked = frozenset(names or ())
-    plan = Plan(tuple(cases), ladders, tuple(singles), mapped, (), skipped, asked=asked)
+            ladders.append(tuple(Named(name, n) for n in info.ladder))
+            exact += [Named(name, None)] if info.limit == name else []
+            # Of a slow model the meshes themselves are enough.
+            both = None if info.slow else info.refinements
+            extrapolated += [Named(name, both)] if both else []
+    more, mapped = (
+        tuple(model for model in models if model.name not in skipped)
+        for models in (GATE_MORE, GATE_MAP)
+    )
+    singles = (*exact, *extrapolated, *more)
+    plan = Plan(tuple(cases), tuple(ladders), singles, mapped, (), skipped,
+                asked=frozenset(names or ()))  # fmt: skip
     try:
         return replace(plan, poses=workspace_cases(cases[0].mechanism, cases[0].pose.z))
     except InputError as error:
@@ -161,7 +168,7 @@ def solve(plan: Plan, bench: Bench) -> Checked:
         for model, one in batches.items() if isinstance(one, Batch)
     ]  # fmt: skip
     rows.append(yardstick_row(machine))
-    return Checked(plan, cases, workspace, batches, rows)
+    return Checked(plan, bench, cases, workspace, batches, rows)
 
 
 def batch(model: Model, cases: tuple[Case, ...]) -> Batch | Failure:
@@ -171,3 +178,25 @@ def batch(model: Model, cases: tuple[Case, ...]) -> Batch | Failure:
     found = attempt(task)
     assert isinstance(found, (Batch, Failure)), "what the task gives"
     return found
+
+
+def yardstick(masses: int = 150) -> tuple[float, float]:
+    """Return the lowest frequency [Hz] of a chain and the median time of its eigen-solution [s].
+
+    Unit masses and springs in a row between walls: omega_k = 2 sin(k pi / 2 (masses + 1)).
+    """
+    K, seconds = 2 * np.eye(masses) - np.eye(masses, k=1) - np.eye(masses, k=-1), []
+    for _ in range(REPEATS):
+        began = time.perf_counter()
+        values = np.linalg.eigh(K)[0]
+        seconds.append(time.perf_counter() - began)
+    return float(np.sqrt(values[0]) / (2 * np.pi)), median(seconds)
+
+
+def yardstick_row(measured: Sequence[tuple[float, float]]) -> dict[str, Any]:
+    """Return the row of the history for what `yardstick` gave during a run."""
+    return {
+        "case": YARDSTICK, "model": YARDSTICK, "theory": "springs and masses in a row",
+        "version": f"numpy {np.__version__}", "mode": 1, "frequency_hz": measured[0][0],
+        "build_s": 0.0, "solve_s": median(seconds for _, seconds in measured),
+    }  # fmt: skip

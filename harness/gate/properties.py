@@ -1,207 +1,256 @@
 """What must hold without any baseline: one answer however it is asked for, and what is true.
 
-Every bound is derived: from the rounding of the matrices, from the width of certified brackets,
-from the limit itself, or from the precision that a model declares.
+True are limits, the order of theories, massless limbs, mode counts. Every bound is derived: from
+the rounding of the matrices, from the width of certified brackets, from the limit itself, or from
+the precision that a model declares.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import chain, product
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from analytic import Mechanism, Pose
-from analytic.model import Model
-from analytic.multipliers import null_space
-from harness.answer import Batch
-from harness.bench import Bench, Study, label
+from analytic import Continuum, Limb, Modes, limbs_at
+from analytic.pairing import pair
+from analytic.substructure import platform_mass, rigid_arm
+from analytic.theory import LEAST_SHEAR, Theory
+from harness.bench import SPARE
 from harness.case import Case
-from harness.gate.equivalents import UNITS, answer, relative, turned_axes
-from harness.gate.finding import Finding, judged
-from harness.gate.plan import MODES, Checked, batch
-from harness.presets import TWINS
+from harness.causes import THEORIES
+from harness.declared import moving
+from harness.gate.equivalents import (
+    SAME_ANSWERS,
+    Seen,
+    answer,
+    posed,
+    precision,
+    relative,
+    rounding,
+    seen,
+    solved,
+)
+from harness.gate.figures import Finding
+from harness.gate.plan import MODES, Checked
+from harness.presets import CONFORMING
+from harness.signatures import Array
+from harness.studies.refinement import MESHES, WARY, verify
+from reference_models import Named
 
-Floats = NDArray[np.float64]
-BATCH = 1e-9
-"""What the batch solver promises."""
-
-
-@dataclass(frozen=True)
-class Seen:
-    """What one case shows of a property of a model: relative `deviation` and `bound`, mode by mode.
-
-    `remark`: what the bound comes from.
-    """
-
-    name: str
-    model: str
-    remark: str
-    case: str
-    deviation: Floats
-    bound: Floats
-
-    def worst(self) -> tuple[float, Finding]:
-        """Return the largest deviation over its bound, and the property at that mode."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            ratios = np.nan_to_num(self.deviation / self.bound, nan=0.0, posinf=np.inf)
-        i = int(ratios.argmax())
-        deviation, bound = float(self.deviation[i]), float(self.bound[i])
-        verdict = judged(deviation <= bound)
-        return float(ratios[i]), Finding("property", self.model, self.case, i + 1, self.name, None,
-                                         deviation, bound, verdict, self.remark)  # fmt: skip
+LIGHT, STIFF = 1e-9, 1 / LEAST_SHEAR
+"""Density of limbs without mass, part of their own; the largest shear coefficient there is."""
+SHORTER = (0.5, 0.45, 0.4)
+"""Heights, of a case's own, at which a limb may twist among the lowest modes."""
+BESIDE = 1e-9
+"""How far from a root, relative, modes are counted."""
+NO_MODE = np.full(MODES, 0.5)
+"""Whole numbers of modes are off by none."""
 
 
-def properties(checked: Checked, bench: Bench) -> list[Finding]:
+def properties(checked: Checked) -> list[Finding]:
     """Return every property that the models solved in `checked` can show, each at its worst."""
-    from harness.gate.truths import truths
-
-    found: dict[tuple[str, str], list[tuple[float, Finding]]] = {}
-    for seen in chain(
-        _equivalents(checked, bench),
-        _symmetry(checked.workspace),
-        _twins(checked, bench),
-        _batches(checked),
-        truths(checked, bench),
-    ):
-        found.setdefault((seen.name, seen.model), []).append(seen.worst())
-    return [max(some, key=lambda one: one[0])[1] for some in found.values()]
+    found: dict[tuple[str, str], Seen] = {}
+    truths = (_limits, _extrapolated, _assumptions, _theories, _massless, _exact_counts, _torsion)
+    for ask in (*SAME_ANSWERS, *truths):
+        for ratio, one in ask(checked):
+            key = one.quantity, one.model
+            if key not in found or ratio > found[key][0]:
+                found[key] = ratio, one
+    return [one for _, one in found.values()]
 
 
-def solved(study: Study, case: Case, model: Model) -> Floats:
-    """Return the frequencies (MODES,) [Hz] that a study holds."""
-    return study.answers[case, model].frequencies[:MODES]
+def _exact(checked: Checked) -> Iterator[tuple[Named, Theory, Case]]:
+    """Yield the models without elements that were solved, with their exact theories and cases."""
+    for one in checked.plan.singles:
+        if one.elements is None and (limit := one.limit()):
+            theory = Theory(limit.name, dict(limit.settings).get("shear", "cowper"))
+            yield from ((one, theory, case) for case in checked.cases.complete(one))
 
 
-def precision(model: Model, mechanism: Mechanism, pose: Pose, count: int = MODES) -> Floats:
-    """Return how far rounding may move each frequency of a model, relative, (count,).
+def _truth(
+    checked: Checked, *models: Named
+) -> Iterator[tuple[Case, Array, Array, list[Modes], NDArray[np.intp]]]:
+    """Yield every case with its exact frequencies, as they are and with 1 for 0, the answers of
+    `models`, and the partner of each exact mode in each answer.
 
-    What the model declares; or, where it shows its matrices: every entry of K and M, in the
-    coordinates that are solved for, is known to some roundings, so that |df / f| <= n eps
-    (|x|^T |K| |x| + omega^2 |x|^T |M| |x|) / (2 omega^2 x^T M x), with n the coordinates of a limb,
-    as many as a sum has terms. The eigen-solution of (M, K) adds eps of the largest eigenvalue,
-    which belongs to the lowest elastic mode: eps omega^2 / omega_1^2.
+    The exact model is that of the theory that the first model declares; none where there is none.
     """
-    build = getattr(model, "build", None)
-    built = model if build is None or model.info().isolated else build()
-    matrices = getattr(built, "matrices", None)
-    if matrices is None or not mechanism.simple:
-        return np.full(count, getattr(built, "info", model.info)().precision)
-    assert isinstance(model.elements, int), "matrices are of elements"
-    K, M, *constraints = matrices(mechanism, pose)
-    if constraints:
-        N = null_space(constraints[0])
-        K, M = N.T @ K @ N, N.T @ M @ N
-    K, M = (np.asarray(A.toarray() if hasattr(A, "toarray") else A) for A in (K, M))
-    values, x = scipy.linalg.eigh(K, M, subset_by_index=(0, count - 1))
-    y = np.abs(x)
-    entries = (y * (np.abs(K) @ y)).sum(axis=0) + values * (y * (np.abs(M) @ y)).sum(axis=0)
-    mass = (x * (M @ x)).sum(axis=0)
-    eps, terms = np.finfo(float).eps, 6 * (model.elements + 1)
-    lowest = values[values > eps**0.5 * values[-1]][0]
-    with np.errstate(divide="ignore"):
-        known = np.abs(terms * eps * entries / (2 * values * mass))
-    return np.asarray(known + eps * np.abs(values) / lowest)
-
-
-def rounding(case: Case, *models: Model) -> Floats:
-    """Return how far rounding may move the frequencies of `models` apart at a case, (MODES,)."""
-    return sum(
-        (precision(model, case.mechanism, case.pose) for model in models), start=np.zeros(MODES)
-    )
-
-
-def _equivalents(checked: Checked, bench: Bench) -> Iterator[Seen]:
-    """The same problem in other words, by every model's coarsest mesh and every exact one."""
-    plan, study = checked.plan, checked.cases
-    models = [ladder[0] for ladder in plan.ladders]
-    models += [one for one in plan.singles if not isinstance(one.elements, tuple)]
-    for model in dict.fromkeys(models):
-        cases = study.complete(model)
-        # A slow model is asked where nothing is symmetrical.
-        for one, case in product(UNITS, cases[-1:] if model.info().slow else cases):
-            changed = one.change(case.mechanism, case.pose)
-            again = answer(bench, model, *changed, MODES) / one.factor
-            off = relative(again, solved(study, case, model))
-            # Rounding depends on the units: the bound is that of the changed problem.
-            bound = np.maximum(rounding(case, model), precision(model, *changed))
-            yield Seen(one.name, label(model), "rounding", case.name, off, bound)
-
-
-def _symmetry(study: Study) -> Iterator[Seen]:
-    """Equal limbs around a circle: turning the azimuth from one to the next changes nothing."""
-    if not study.cases:
+    limit, study = models[0].limit(), checked.cases
+    if limit is None:
         return
-    mechanism = study.cases[0].mechanism
-    step = 360 / len(mechanism.limbs)
-    if not _repeats(mechanism, np.radians(step)):
-        return
-    for model in study.models:
-        groups: dict[tuple[float, float, float], list[Case]] = {}
-        for case in study.complete(model):
-            turn = round(float(np.degrees(case.pose.azimuth)) % step, 6) % step
-            groups.setdefault((case.pose.z, case.pose.tilt, turn), []).append(case)
-        for first, *others in groups.values():
-            f, bound = solved(study, first, model), rounding(first, model)
-            for case in others:
-                off = relative(solved(study, case, model), f)
-                yield Seen(
-                    f"{step:g} deg symmetry", label(model), "rounding", case.name, off, bound
-                )
+    exact = checked.bench.run(study.cases, [limit], MODES)
+    for case in study.complete(*models):
+        if modes := exact.first(case, limit):
+            f, own = modes.frequencies, [study.answers[case, model] for model in models]
+            partners = [pair(modes, one, case.mechanism, case.pose).partner for one in own]
+            yield case, f, np.where(f > 0, f, 1.0), own, np.array(partners)
 
 
-def _repeats(mechanism: Mechanism, angle: float) -> bool:
-    """Return whether the mechanism turned by `angle` [rad] is itself, limbs renumbered.
+def _limits(checked: Checked) -> Iterator[Seen]:
+    """s -> infinity is the exact model of the theory that is declared.
 
-    Of limbs other than R-P-S it is not asked.
+    That lies below every mesh if the elements are conforming.
     """
-    if not mechanism.simple:
-        return False
-    turned, _ = turned_axes(angle)(mechanism, Pose(1.0))
-    size = max(np.abs(mechanism.bases).max(), np.abs(mechanism.platform_points).max())
-    inertia, again = np.array(mechanism.platform.inertia), np.array(turned.platform.inertia)
-    places = [
-        np.array([(*limb.base, *limb.platform_point, *(size * np.array(limb.axis)))
-                  for limb in one.limbs])
-        for one in (mechanism, turned)
-    ]  # fmt: skip
-    apart = np.abs(places[0][None] - places[1][:, None]).max(axis=2)
-    rods = [[a.rod == b.rod for b in mechanism.limbs] for a in turned.limbs]
-    same = ((apart <= 1e-9 * size) & rods).any(axis=1).all()
-    return bool(same and np.abs(again - inertia).max() <= 1e-9 * np.abs(inertia).max())
-
-
-def _twins(checked: Checked, bench: Bench) -> Iterator[Seen]:
-    """The same elements put together or solved in other ways."""
-    study = checked.cases
-    for one, other in TWINS:
-        if {one.name, other.name} & checked.plan.skipped.keys():
+    for ladder in checked.plan.ladders:
+        name, limit = ladder[0].name, ladder[0].limit()
+        if len(ladder) < 2 or limit is None:
             continue
-        name = f"{label(other)} = {label(one)}"
-        for case in study.complete(one):
-            again = answer(bench, other, case.mechanism, case.pose, MODES)
-            off, bound = relative(again, solved(study, case, one)), rounding(case, one, other)
-            yield Seen(name, label(other), "rounding of both", case.name, off, bound)
+        for case, exact, scale, meshes, partners in _truth(checked, *ladder):
+            f = np.array([m.frequencies[p] for m, p in zip(meshes, partners, strict=True)])
+            value, band = _converged(ladder, f)
+            slack = rounding(case, ladder[-1], limit)
+            yield seen("s -> infinity is exact", name, "the band of the finest mesh", case,
+                       relative(value, exact), band / scale + slack)  # fmt: skip
+            if name in CONFORMING:
+                short = np.maximum(1 - f / scale, 0).max(axis=0) * (exact > 0)
+                yield seen("elements only stiffen", name, "rounding", case, short, slack)
 
 
-def _batches(checked: Checked) -> Iterator[Seen]:
-    """Many poses a call, against the same model pose by pose."""
-    space, study = checked.workspace, checked.cases
-    asked = [
-        ("map", space, model, case, f)
-        for model, many in checked.batches.items()
-        if isinstance(many, Batch)
-        for case, f in zip(space.cases, many.table, strict=True)
-        if (case, model) in space.answers
-    ]
-    for model in study.models:
-        if model.elements in (3, None) and not model.info().isolated:
-            for case in study.complete(model):
-                one = batch(model, (case,))
-                f = one.table[0] if isinstance(one, Batch) else np.full(MODES, np.inf)
-                asked.append(("cases", study, model, case, f))
-    for where, of, model, case, f in asked:
-        off = np.nan_to_num(relative(f, solved(of, case, model)), nan=np.inf)
-        bound, name = BATCH + rounding(case, model), f"many poses a call, {where}"
-        yield Seen(name, label(model), "the batch solver's 1e-9", case.name, off, bound)
+def _converged(ladder: Sequence[Named], f: Array) -> tuple[Array, Array]:
+    """Return the limits of `f` (meshes, modes) and the half-widths of their bands [Hz].
+
+    Of two meshes by the formal order, with the factor of a band that nothing confirms.
+    """
+    elements = [n for one in ladder if isinstance(n := one.elements, int)]
+    order = ladder[0].info().order
+    if len(ladder) < MESHES:
+        step = (f[-1] - f[-2]) / ((elements[-1] / elements[-2]) ** order - 1)
+        return f[-1] + step, WARY * np.abs(step)
+    columns = [verify(elements, column.tolist(), order) for column in f.T]
+    return np.array([one.limit for one in columns]), np.array([one.gci for one in columns])
+
+
+def _extrapolated(checked: Checked) -> Iterator[Seen]:
+    """What is extrapolated from two meshes lies as near the exact model as it says."""
+    for model in checked.plan.singles:
+        if not isinstance(model.elements, tuple):
+            continue
+        for case, exact, scale, (own,), (partner,) in _truth(checked, model):
+            if own.uncertainty is not None:
+                off = relative(own.frequencies[partner], exact)
+                bound = own.uncertainty[partner] / scale + rounding(case, model)
+                yield seen("extrapolated is exact", model, "its own uncertainty", case, off, bound)
+
+
+def _assumptions(checked: Checked) -> Iterator[Seen]:
+    """Without an assumption that holds something rigid, no frequency is higher."""
+    study = checked.cases
+    for ladder in checked.plan.ladders:
+        model, info = ladder[0], ladder[0].info()
+        if not info.relaxed or info.relaxed in checked.plan.skipped:
+            continue
+        relaxed = Named(info.relaxed, model.elements)
+        if relaxed.info().program != info.program:
+            continue  # on other meshes
+        for case in study.complete(model):
+            low = answer(checked.bench, relaxed, case)
+            if np.isfinite(low).all():
+                off = np.maximum(low / solved(study, case, model) - 1, 0)
+                yield seen(f"{info.assumption} only stiffens", model, "no excess", case, off,
+                           rounding(case, model))  # fmt: skip
+
+
+def _theories(checked: Checked) -> Iterator[Seen]:
+    """Euler-Bernoulli > Rayleigh > Timoshenko; without shear Timoshenko is Rayleigh."""
+    study = checked.cases
+    exact = {one.name: one for one in checked.plan.singles if one.elements is None}
+    chain = [exact[name] for name in THEORIES if name in exact]
+    for stiff, soft in pairwise(chain):
+        for case in study.complete(stiff, soft):
+            off = np.maximum(solved(study, case, soft) / solved(study, case, stiff) - 1, 0)
+            yield seen(f"{stiff.name} above {soft.name}", soft, "no excess", case, off,
+                       rounding(case, soft))  # fmt: skip
+    if not {*THEORIES[-2:]} <= exact.keys():
+        return
+    without, sheared = chain[-2:]
+    stiffest = Named(sheared.name, None, (("shear", STIFF),))
+    for case in study.complete(without, sheared):
+        if case.mechanism.simple:
+            f = solved(study, case, without)
+            off = relative(answer(checked.bench, stiffest, case), f)
+            kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
+            # The effect falls in proportion to 1 / kappa, or faster.
+            effect = 2 * (f / solved(study, case, sheared) - 1) * kappa / STIFF
+            yield seen(f"kappa -> infinity is {without.name}", sheared, "1/kappa", case, off,
+                       rounding(case, without) + effect)  # fmt: skip
+
+
+def _massless(checked: Checked) -> Iterator[Seen]:
+    """Limbs without mass are springs: a rigid body on them, solved without a beam."""
+    for model, theory, case in _exact(checked):
+        if case.mechanism.simple:
+            springs, shares = _springs(theory, case)
+            limbs = tuple(map(_light, case.mechanism.limbs))
+            light = posed(case, replace(case.mechanism, limbs=limbs), case.pose)
+            # By Rayleigh's quotient: a limb moves no more than its end.
+            bound = precision(model, case) + LIGHT * shares / 2
+            yield seen("limbs without mass", model, "the mass left", case,
+                       relative(answer(checked.bench, model, light), springs), bound)  # fmt: skip
+
+
+def _light(limb: Limb) -> Limb:
+    rod, steel = limb.rod, limb.rod.material
+    return limb.with_rod(replace(rod, material=replace(steel, density=LIGHT * steel.density)))
+
+
+def _springs(theory: Theory, case: Case) -> tuple[Array, float]:
+    """Return the platform's frequencies on static limbs (6,) [Hz], and the limbs' share of mass.
+
+    A limb resists along itself, EA / L, and across in the plane of its revolute axis,
+    1 / (L^3 / 3 EI + L / kappa G A).
+    """
+    limbs = limbs_at(case.mechanism, case.pose)
+    M = platform_mass(case.mechanism, case.pose)
+    K, share = np.zeros((6, 6)), 0.0
+    for limb, L, arm, frame in zip(
+        case.mechanism.limbs, limbs.lengths, limbs.arms, limbs.frames, strict=True
+    ):
+        rod, steel = limb.rod, limb.rod.material
+        EI = steel.young * rod.second_moment
+        across = 1 / (L**3 / (3 * EI) + theory.shear_flexibility(rod) * L / (12 * EI))
+        J = rigid_arm(arm)
+        for stiffness, direction in ((steel.young * rod.area / L, 2), (across, 1)):
+            a = J.T @ frame[:, direction]
+            K += stiffness * np.outer(a, a)
+        mass = steel.density * rod.area * L
+        # Rotary inertia at most doubles what a rod's motion weighs here: (d / 4 L)^2 << 1.
+        share += 2 * mass * np.linalg.eigvalsh(J @ np.linalg.solve(M, J.T))[-1]
+    values = scipy.linalg.eigh(K, M, eigvals_only=True)
+    return np.sqrt(np.maximum(values, 0)) / (2 * np.pi), float(share)
+
+
+def _exact_counts(checked: Checked) -> Iterator[Seen]:
+    """No mode missing, none too many: Wittrick and Williams count as many as were found."""
+    number = np.arange(1, MODES + 1)
+    for model, theory, case in _exact(checked):
+        count = Continuum(theory.beam, theory.shear).count_below
+        f = solved(checked.cases, case, model)
+        below, upto = (
+            np.array([one and count(case.mechanism, case.pose, one) for one in beside.tolist()])
+            for beside in (f * (1 - BESIDE), f * (1 + BESIDE))
+        )
+        # The k-th mode: fewer than k below it, at least k up to it; free motion has no below.
+        off = np.maximum(below - (number - 1), number - upto) * (f > 0)
+        yield seen("Wittrick-Williams count", model, "modes", case, np.maximum(off, 0.0), NO_MODE)
+
+
+def _torsion(checked: Checked) -> Iterator[Seen]:
+    """Rods twist or do not, as declared: shorter limbs do so among their lowest modes.
+
+    There the bench refuses modes of torsion that are not declared, and misses those that are.
+    """
+    solve = checked.bench.solve
+    for *_, model in checked.plan.ladders:
+        limit = model.limit()
+        if limit is None:
+            continue
+        for case in checked.cases.complete(model):
+            for pose in (replace(case.pose, z=part * case.pose.z) for part in SHORTER):
+                exact = solve(limit, case.mechanism, pose, MODES)
+                if isinstance(exact, Modes) and not moving(exact, case.mechanism, pose).all():
+                    ours = solve(model, case.mechanism, pose, MODES + SPARE)
+                    off = np.full(MODES, 0.0 if isinstance(ours, Modes) else np.inf)
+                    yield seen("rods twist as declared", model.name, "modes", case, off, NO_MODE)
+                    break

@@ -2,16 +2,14 @@
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
-from harness.gate.finding import COMPARED, HELD, KINDS, Finding, condense
-from harness.gate.measured import Measured
-from harness.gate.plan import group
-from harness.gate.ratchet import Baseline
+from harness.gate.figures import COMPARED, HELD, KINDS, Figures, Finding, condense
+from harness.gate.plan import Checked, group
 from harness.gate.timing_watch import Timing
 from harness.plain import plain
 from harness.result import Result
@@ -25,14 +23,16 @@ if TYPE_CHECKING:
 class Report(Result):
     """All that a check looked at.
 
-    Attributes: `seen`, a row for everything, and every timing in `timings`; `now`, what was
-    measured; `baseline`, if any; `about`: provenance, command and seconds; `notes` for people.
+    Attributes: what was `solved`; `seen`, a row for everything, and every timing in `timings`;
+    `now`, what was measured; `baseline`, if any; `about`: provenance, command and seconds; `notes`
+    for people.
     """
 
+    solved: Checked
     seen: tuple[Finding, ...]
     timings: tuple[Timing, ...]
-    now: Measured
-    baseline: Baseline | None
+    now: Figures
+    baseline: Figures | None
     about: Mapping[str, Any]
     notes: tuple[str, ...] = ()
 
@@ -71,9 +71,43 @@ class Report(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return how much was compared, what moved if anything did, properties and seconds."""
-        found = {"": _summary(self), "-findings": _moved(self), "-properties": _properties(self),
-                 "-timings": _seconds(self)}  # fmt: skip
+        failed = Counter(one.kind for one in self.failed)
+        noted = Counter(one.kind for one in self.findings if not one.fails)
+        compared = tuple(
+            (kind, self.checked.get(kind, ""), failed[kind], noted[kind])
+            for kind in KINDS if self.checked.get(kind) or failed[kind] or noted[kind]
+        )  # fmt: skip
+        shown = sorted(condense(self.findings), key=lambda one: KINDS.index(one[0].kind))
+        moved = tuple(
+            (one.kind, one.model, where, _mode(one), one.quantity, *_numbers(one), one.verdict,
+             one.cause)
+            for one, where, _ in shown
+        )  # fmt: skip
+        found = {
+            "": Table("Compared", ("Kind", "Compared", "Failed", "Noted"), compared),
+            "-findings": Table("What moved", MOVED, moved),
+            "-properties": _table("What needs no baseline", PROPERTIES, self.properties()),
+            "-timings": _table("Seconds, by the yardstick of the same run", TIMINGS, self.seconds(),
+                               "slower, faster: mean score over its threshold; from 1 on a change"),
+        }  # fmt: skip
         return {ending: table for ending, table in found.items() if table.rows or not ending}
+
+    def properties(self) -> list[dict[str, Any]]:
+        """Return every property with its measured deviation and bound."""
+        return [
+            {"name": one.quantity, "model": one.model, "case": one.case, "mode": one.mode,
+             "deviation": one.after, "bound": one.tolerance, "remark": one.cause,
+             "holds": not one.fails}
+            for one in self.seen if one.kind == "property"
+        ]  # fmt: skip
+
+    def seconds(self) -> list[dict[str, Any]]:
+        """Return every model's seconds: the last runs against those before, and the noise."""
+        return [
+            {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
+             "noise": one.slower.noise, "slower": one.slower.score, "faster": one.faster.score}
+            for one in self.timings
+        ]  # fmt: skip
 
     def sentences(self) -> list[str]:
         """Return the outcome, and notes."""
@@ -97,52 +131,33 @@ class Report(Result):
         return f"failed: nothing was compared, {what}"
 
 
-def _moved(report: Report) -> Table:
-    """Return what moved, by kind; of the map's poses each model's worst."""
-    shown = sorted(condense(report.findings), key=lambda pair: KINDS.index(pair[0].kind))
-    rows = tuple(
-        (one.kind, one.model, one.case if of == 1 else f"{one.case} (worst of {of})",
-         _mode(one), one.quantity, *_numbers(one), one.verdict, one.cause)
-        for one, of in shown
-    )  # fmt: skip
-    columns = ("Kind", "Model", "Case", "Mode", "Quantity", "Before", "After", "Change",
-               "Allowed", "Verdict", "Cause")  # fmt: skip
-    return Table("What moved", columns, rows)
-
-
-def _summary(report: Report) -> Table:
-    """Return how much was compared and how much of it failed."""
-    failed = Counter(one.kind for one in report.failed)
-    noted = Counter(one.kind for one in report.findings if not one.fails)
-    rows = tuple(
-        (kind, report.checked.get(kind, ""), failed[kind], noted[kind])
-        for kind in KINDS
-        if report.checked.get(kind) or failed[kind] or noted[kind]
+def _table(
+    title: str,
+    columns: Mapping[str, Callable[[Any], str | int]],
+    rows: Sequence[Mapping[str, Any]],
+    *notes: str,
+) -> Table:
+    """Return a table of `rows`, each value in its column's form."""
+    cells = tuple(
+        tuple(form(x) for form, x in zip(columns.values(), row.values(), strict=True))
+        for row in rows
     )
-    return Table("Compared", ("Kind", "Compared", "Failed", "Noted"), rows)
+    return Table(title, tuple(columns), cells, notes)
 
 
-def _properties(report: Report) -> Table:
-    """Return every property with its measured deviation and bound."""
-    rows = tuple(
-        (one.quantity, one.model, one.case, _mode(one), f"{one.after:.1e}", f"{one.tolerance:.1e}",
-         one.cause, "NO" if one.fails else "yes")
-        for one in report.seen if one.kind == "property"
-    )  # fmt: skip
-    columns = ("Property", "Model", "Worst at", "Mode", "Deviation", "Bound", "Bound from", "Holds")
-    return Table("What needs no baseline", columns, rows)
-
-
-def _seconds(report: Report) -> Table:
-    """Return every model's seconds: the last runs against those before, and the noise."""
-    rows = tuple(
-        (one.model, one.slower.runs, f"{100 * (one.slower.factor - 1):+.0f}",
-         f"{100 * one.slower.noise:.0f}", f"{one.slower.score:.2f}", f"{one.faster.score:.2f}")
-        for one in report.timings
-    )  # fmt: skip
-    columns = ("Model", "Runs", "Last runs [%]", "Noise of a run [%]", "Slower", "Faster")
-    note = "slower, faster: mean score over its threshold; from 1 on a change"
-    return Table("Seconds, by the yardstick of the same run", columns, rows, (note,))
+MOVED = ("Kind", "Model", "Case", "Mode", "Quantity", "Before", "After", "Change", "Allowed",
+         "Verdict", "Cause")  # fmt: skip
+PROPERTIES: dict[str, Callable[[Any], str | int]] = {
+    "Property": str, "Model": str, "Worst at": str, "Mode": "f{}".format,
+    "Deviation": "{:.1e}".format, "Bound": "{:.1e}".format, "Bound from": str,
+    "Holds": lambda holds: "yes" if holds else "NO",
+}  # fmt: skip
+TIMINGS: dict[str, Callable[[Any], str | int]] = {
+    "Model": str, "Runs": int, "Last runs [%]": lambda x: f"{100 * (x - 1):+.0f}",
+    "Noise of a run [%]": lambda x: f"{100 * x:.0f}", "Slower": "{:.2f}".format,
+    "Faster": "{:.2f}".format,
+}  # fmt: skip
+"""Columns of the tables, and how each writes a value."""
 
 
 def as_json(report: Report) -> bytes:
@@ -152,30 +167,15 @@ def as_json(report: Report) -> bytes:
         "summary": report.outcome,
         **report.about,
         "checked": report.checked,
-        "findings": [vars(one) | {"of": of} for one, of in condense(report.findings)],
-        "properties": [
-            {"name": one.quantity, "model": one.model, "case": one.case, "mode": one.mode,
-             "deviation": one.after, "bound": one.tolerance, "remark": one.cause,
-             "holds": not one.fails}
-            for one in report.seen if one.kind == "property"
-        ],
-        "timings": [
-            {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
-             "noise": one.slower.noise, "slower": one.slower.score, "faster": one.faster.score}
-            for one in report.timings
-        ],
-        "notes": list(report.notes),
-    }  # fmt: skip
-    return (json.dumps(_finite(content), indent=1, default=str) + "\n").encode()
-
-
-def _finite(value: Any) -> Any:
-    """Return `value` with text in the place of numbers that JSON does not have."""
-    if isinstance(value, dict):
-        return {key: _finite(one) for key, one in value.items()}
-    if isinstance(value, list):
-        return [_finite(one) for one in value]
-    return str(value) if isinstance(value, float) and not abs(value) < float("inf") else value
+        "findings": [vars(one) | {"of": of} for one, _, of in condense(report.findings)],
+        "properties": report.properties(),
+        "timings": report.seconds(),
+        "notes": report.notes,
+    }
+    # JSON has no number that is not finite: a text stands for it.
+    text = json.dumps(content, default=str)
+    finite = json.loads(text, parse_constant=lambda constant: str(float(constant)))
+    return (json.dumps(finite, indent=1) + "\n").encode()
 
 
 def as_markdown(report: Report) -> bytes:
@@ -253,10 +253,12 @@ def _numbers(one: Finding) -> tuple[str, str, str, str]:
     )
     change = allowed = ""
     if one.moved is not None:
-        form = "+.1e" if one.kind in ("frequency", "property") else "+.3g"
-        change = f"{100 * one.moved:+.0f} %" if one.kind == "timing" else f"{one.moved:{form}}"
+        change = f"{one.moved:{'+.1e' if one.kind == 'frequency' else '+.3g'}}"
     if one.tolerance is not None:
         allowed = f"{one.tolerance:.1e}"
         if one.kind == "timing":
-            allowed = f"noise {100 * one.tolerance:.0f} %"
+            change, allowed = (
+                f"{100 * (one.moved or 0):+.0f} %",
+                f"noise {100 * one.tolerance:.0f} %",
+            )
     return before, after, change, allowed

@@ -6,7 +6,7 @@ Bernoulli 24, 2018) asks of the last 5 and the last 20 runs whether their mean e
 before. A score is clipped at 2.5 standard deviations: no single run, however slow, can fire.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
@@ -14,9 +14,9 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from harness.gate.yardstick import YARDSTICK
+from harness.gate.figures import FAILED, HELD, NOTED, Finding
+from harness.gate.plan import YARDSTICK
 
 if TYPE_CHECKING:
     from harness.history.store import History
@@ -86,44 +86,35 @@ def changes(series: Sequence[float]) -> list[Change | None]:
     series is too short. Runs that raised an alarm never become the reference: it goes on until
     they are fast again.
     """
-    values = np.asarray(series, dtype=float)
-    courses = [_moving(values, length, limit) for length, limit in WINDOWS.items()]
-    return [
-        max((one for one in found if one is not None), key=lambda one: one.score, default=None)
-        for found in zip(*courses, strict=True)
-    ]
-
-
-def _moving(values: NDArray[np.float64], length: int, limit: float) -> list[Change | None]:
-    reference: list[float] = []
-    found: list[Change | None] = []
-    alarm = False
-    for i in range(len(values)):
-        if i >= length and not alarm:
-            reference.append(float(values[i - length]))  # it left the window, and was no alarm
-        if len(reference) < LEAST:
-            found.append(None)
-            continue
-        middle, noise = _spread(np.array(reference[-MOST:]))
-        window = values[i - length + 1 : i + 1]
-        scores = np.minimum(np.maximum((window - middle) / noise, -CLIP), CLIP)
-        # Over for some runs, it is over, whatever a long window still remembers.
-        over = scores[-SHORT:].mean() < WINDOWS[SHORT] / 3
-        score = 0.0 if over else float(scores.mean()) / limit
-        factor = float(np.exp(median(window.tolist()) - middle))
-        found.append(Change(factor, score, noise, length, i + 1))
-        alarm = score >= 1
+    found: list[Change | None] = [None] * len(series)
+    for length, limit in WINDOWS.items():
+        reference, alarm = list[float](), False
+        for i in range(length, len(series)):
+            if not alarm:
+                reference.append(series[i - length])  # it left the window, and was no alarm
+            if len(reference) < LEAST:
+                continue
+            middle, noise = _spread(reference[-MOST:])
+            window = series[i - length + 1 : i + 1]
+            scores = np.clip((np.array(window) - middle) / noise, -CLIP, CLIP)
+            # Over for some runs, it is over, whatever a long window still remembers.
+            over = scores[-SHORT:].mean() < WINDOWS[SHORT] / 3
+            score = 0.0 if over else float(scores.mean()) / limit
+            factor = float(np.exp(median(window) - middle))
+            other, alarm = found[i], score >= 1
+            if other is None or score > other.score:
+                found[i] = Change(factor, score, noise, length, i + 1)
     return found
 
 
-def _spread(values: NDArray[np.float64]) -> tuple[float, float]:
+def _spread(values: Sequence[float]) -> tuple[float, float]:
     """Return the median and the standard deviation of one more value.
 
     By the mean deviation, outliers cut off, widened for few values.
     """
-    middle = median(values.tolist())
-    away = np.abs(values - middle)
-    cut = np.minimum(away, 3 * 1.4826 * median(away.tolist()))
+    middle = median(values)
+    away = np.abs(np.array(values) - middle)
+    cut = np.minimum(away, 3 * 1.4826 * np.median(away))
     noise = float(np.sqrt(np.pi / 2) * cut.mean() * (1 + 1 / len(values)))
     return middle, max(QUIET, noise)
 
@@ -135,15 +126,30 @@ def timings(
 
     `since`: for some models the first run that counts, after a change that was accepted.
     """
-    rows = history.query(_SERIES, [machine]).rows()
     found = []
+    rows = history.query(_SERIES, [machine]).rows()
     for name, runs in groupby(rows, key=lambda row: str(row["model"])):
         first = (since or {}).get(name, datetime.min)
-        kept = [(row["time"], row["slowness"]) for row in runs if row["time"] >= first]
-        values = [x for _, x in kept[-LONGEST:]]
+        kept = [row for row in runs if row["time"] >= first]
+        values = [row["slowness"] for row in kept[-LONGEST:]]
         slower, faster = ([None, *changes(x)][-1] for x in (values, [-x for x in values]))
-        if slower is None or faster is None:
-            continue
-        began = kept[-(slower if slower.score >= faster.score else faster).window][0]
-        found.append(Timing(name, slower, faster, began))
+        if slower and faster:
+            began = kept[-(slower if slower.score >= faster.score else faster).window]["time"]
+            found.append(Timing(name, slower, faster, began))
     return found
+
+
+def slower(found: Sequence[Timing]) -> Iterator[Finding]:
+    """Yield models whose seconds changed by more than their noise, those that are faster as notes;
+    and one row for each of the others."""
+    for one in found:
+        if not (one.slower.happened or one.faster.happened):
+            yield Finding("timing", one.model, "", None, "seconds", verdict=HELD)
+        for change, verdict, factor in (
+            (one.slower, FAILED, one.slower.factor),
+            (one.faster, NOTED, 1 / one.faster.factor),
+        ):
+            if change.happened:
+                quantity = f"seconds of the last {change.window} runs against those before"
+                yield Finding("timing", one.model, "", None, quantity, 1.0, factor, change.noise,
+                              verdict, f"since {one.since:%Y-%m-%d %H:%M}")  # fmt: skip

@@ -12,8 +12,7 @@ from analytic import Mechanism, Platform, Pose
 from harness.accepted import SHOWN
 from harness.case import Case
 from harness.cases import PRESETS
-from harness.gate.plan import standard
-from harness.gate.yardstick import YARDSTICK
+from harness.gate.plan import YARDSTICK, standard
 from harness.history.store import open_history
 from harness.report.page import FILE, FORMAT, VERSION, page_files
 from harness.request import Plan

@@ -12,14 +12,20 @@ from analytic import InputError, Limb, Material, Mechanism, Modes, Pose
 from harness import answer as module
 from harness.bench import Bench
 from harness.cases import PRESETS
-from harness.gate.compare import compare, failures, slower
-from harness.gate.finding import BETTER, FAILED, HELD, NOTED, Finding, condense
-from harness.gate.gate import NotAcceptedError, accepted, look
-from harness.gate.measured import Source, measure
+from harness.gate.figures import BETTER, FAILED, HELD, NOTED, Figures, Finding, Source, condense
+from harness.gate.gate import (
+    NotAcceptedError,
+    accept,
+    accepted,
+    compare,
+    failures,
+    look,
+    measure,
+    measure_noise,
+)
 from harness.gate.plan import Checked, Plan, solve, standard
 from harness.gate.properties import properties
-from harness.gate.ratchet import Baseline, accept, measure_noise
-from harness.gate.timing_watch import Change, Timing
+from harness.gate.timing_watch import Change, Timing, slower
 from reference_models import Named
 
 ABOUT = {"time": "2026-01-01T00:00:00+00:00", "commit": "0" * 40}
@@ -45,21 +51,21 @@ class Accepted:
 
     bench: Bench
     checked: Checked
-    baseline: Baseline
+    baseline: Figures
 
     def found(self, wrong: Plan) -> list[Finding]:
         """What the gate says, answers that were refused where they arrived before all else."""
         checked = solve(wrong, self.bench)
         refused = [one for one in failures(checked) if one.fails]
-        return refused + moved(compare(self.baseline, measure(checked, self.bench), checked))
+        return refused + moved(compare(self.baseline, measure(checked), checked))
 
 
 @pytest.fixture(scope="module")
 def once() -> Iterator[Accepted]:
     with Bench() as bench:
         checked = solve(plan(*NAMES), bench)
-        now = measure(checked, bench)
-        yield Accepted(bench, checked, accept(None, now, measure_noise(checked, bench), ABOUT, ""))
+        now = measure(checked)
+        yield Accepted(bench, checked, accept(None, now, measure_noise(checked), ABOUT, ""))
 
 
 def stiffer_limb(mechanism: Mechanism, pose: Pose) -> tuple[Mechanism, Pose]:
@@ -107,10 +113,10 @@ def without(mode: int) -> Callable[[Modes], Modes]:
 def test_a_clean_repeat_is_clean(once: Accepted) -> None:
     with Bench() as bench:
         checked = solve(plan(*NAMES), bench)
-        report = look(checked, bench, once.baseline)
+        report = look(checked, once.baseline)
     assert report.findings == ()
     assert report.passed
-    assert report.checked["frequency"] == len(once.baseline.figures.modes)
+    assert report.checked["frequency"] == len(once.baseline.modes)
 
 
 @pytest.mark.slow
@@ -137,9 +143,9 @@ def test_a_stiffness_wrong_by_1e_6_in_one_limb(once: Accepted, plant: Planted, n
 def test_an_unequal_limb_shows_without_any_baseline(once: Accepted, plant: Planted) -> None:
     """120-degree symmetry: the mapped models show it, each by itself."""
     whole = replace(plan("exudyn-cable"), cases=(), ladders=(), singles=())
-    assert moved(properties(solve(whole, once.bench), once.bench)) == []
+    assert moved(properties(solve(whole, once.bench))) == []
     wrong = solve(plant(whole, "exudyn-cable", ask=stiffer_limb), once.bench)
-    found = moved(properties(wrong, once.bench))
+    found = moved(properties(wrong))
     (one,) = [one for one in found if one.quantity == "120 deg symmetry"]
     assert one.model == "exudyn-cable@8"
     assert one.case.startswith("workspace z=") and one.mode is not None
@@ -226,8 +232,8 @@ def test_a_wrong_flag_of_torsion_shows_without_any_baseline(once: Accepted, plan
             assert refused == MESHES | LIMIT
         else:
             assert refused == set()
-            assert name in {one.quantity for one in moved(properties(wrong, once.bench))}
-        right = properties(solve(study, once.bench), once.bench)
+            assert name in {one.quantity for one in moved(properties(wrong))}
+        right = properties(solve(study, once.bench))
         assert moved(right) == []
         assert name in {one.quantity for one in right}
 
@@ -247,7 +253,7 @@ def test_an_extrapolation_of_the_wrong_sign_is_refused(
     monkeypatch.setattr(module, "extrapolated", wrong)
     with Bench() as bench:
         checked = solve(replace(plan(*NAMES[1:]), mapped=(), poses=()), bench)
-        report = look(checked, bench, once.baseline)
+        report = look(checked, once.baseline)
     named = {one.model for one in report.failed if not one.case.startswith("workspace")}
     assert named == {"exudyn-cable@8+16", "mujoco-cable@8+16"}
 
@@ -284,7 +290,7 @@ def test_what_is_no_longer_measured_is_a_finding(
     assert {verdict for verdict, _ in missing(gone).values()} == {NOTED}
     broken_info = replace(Named("mujoco-cable", None).info(), program="")
     monkeypatch.setattr(Named, "info", lambda self: broken_info)
-    found = moved(compare(once.baseline, measure(once.checked, once.bench), replace(
+    found = moved(compare(once.baseline, measure(once.checked), replace(
         once.checked, plan=gone, cases=replace(once.checked.cases, answers={}, models=())
     )))  # fmt: skip
     assert found == []  # all were measured
@@ -294,7 +300,7 @@ def test_what_is_no_longer_measured_is_a_finding(
 @pytest.mark.slow
 def test_what_the_baseline_says_is_what_is_compared(once: Accepted) -> None:
     """Another frequency, order, count, uncertainty, shape, theory, mechanism or name in it."""
-    figures, label = once.baseline.figures, "timoshenko@16"
+    figures, label = once.baseline, "timoshenko@16"
     key, place = ("case1", label, 3), ("case1", label)
     order, band = ("case1", "timoshenko", 4), ("case2", "exudyn-cable@8+16", 5)
     was, source = figures.modes[key], figures.sources[label]
@@ -309,16 +315,16 @@ def test_what_the_baseline_says_is_what_is_compared(once: Accepted) -> None:
         "source": ("sources", {label: Source("another", source.version)}),
         "source ": ("mechanisms", {"case1": "0123456789ab"}),
     }
-    now = measure(once.checked, once.bench)
+    now = measure(once.checked)
     assert moved(compare(once.baseline, now, once.checked)) == []
     for kind, (name, changed) in changes.items():
         wrong = replace(figures, **{name: getattr(figures, name) | changed})
-        (one,) = moved(compare(replace(once.baseline, figures=wrong), now, once.checked))
+        (one,) = moved(compare(wrong, now, once.checked))
         assert one.kind == kind.strip() and one.fails
         assert label in (one.model, label) if kind == "missing" else True
     older = replace(figures, sources=figures.sources | {label: Source(source.theory, "program 1")},
                     modes=figures.modes | changes["frequency"][1])  # fmt: skip
-    version, other = moved(compare(replace(once.baseline, figures=older), now, once.checked))
+    version, other = moved(compare(older, now, once.checked))
     assert (version.quantity, version.before, version.fails) == ("version", "program 1", False)
     assert (other.model, other.case, other.mode) == (label, "case1", 3)
     assert other.cause == f"program 1 -> {source.version}" and other.verdict == BETTER
@@ -329,11 +335,11 @@ def test_kilohertz_for_hertz_is_no_pass_and_not_accepted(once: Accepted, plant: 
     """Without a baseline as well: exact beams have other frequencies."""
     study = replace(plan("exudyn-cable"), mapped=(), poses=())
     checked = solve(plant(study, "exudyn-cable", factor=lambda m, p: 1e-3), once.bench)
-    report = look(checked, once.bench, None)
+    report = look(checked, None)
     assert not report.passed
     assert {one.kind for one in report.failed} == {"failure"}
     with pytest.raises(NotAcceptedError, match="x failure, which cannot be"):
-        accepted(replace(report, about=ABOUT), checked, once.bench, "a good reason")
+        accepted(replace(report, about=ABOUT), "a good reason")
 
 
 @pytest.mark.slow
@@ -341,11 +347,11 @@ def test_one_percent_is_not_accepted_into_a_new_baseline(once: Accepted, plant: 
     """Of meshes it is found; what is extrapolated from them is refused."""
     study = replace(plan("exudyn-cable"), mapped=(), poses=())
     checked = solve(plant(study, "exudyn-cable", factor=lambda m, p: 1.01), once.bench)
-    report = look(checked, once.bench, None)
+    report = look(checked, None)
     assert {one.model for one in report.failed if one.kind == "failure"} == LIMIT
     assert "s -> infinity is exact" in {one.quantity for one in report.failed}
     with pytest.raises(NotAcceptedError, match=r"\d x .*, which cannot be"):
-        accepted(replace(report, about=ABOUT), checked, once.bench, "a good reason")
+        accepted(replace(report, about=ABOUT), "a good reason")
 
 
 @pytest.mark.slow
@@ -357,13 +363,13 @@ def test_what_lowers_the_bar_takes_a_reason_and_what_is_gone_goes(once: Accepted
     )
     less = replace(full, singles=meshed, mapped=mapped)
     checked = solve(less, once.bench)
-    report = replace(look(checked, once.bench, once.baseline), about=ABOUT)
+    report = replace(look(checked, once.baseline), about=ABOUT)
     with pytest.raises(InputError, match=r"why \d+ findings that lower the bar are right"):
-        accepted(report, checked, once.bench, "")
-    new = accepted(report, checked, once.bench, "it is elsewhere now")
-    assert "timoshenko@exact" in once.baseline.figures.sources
-    assert "timoshenko@exact" not in new.figures.sources
-    assert not any("timoshenko@exact" in key for key in (*new.figures.modes, *new.limits))
+        accepted(report, "")
+    new = accepted(report, "it is elsewhere now")
+    assert "timoshenko@exact" in once.baseline.sources
+    assert "timoshenko@exact" not in new.sources
+    assert not any("timoshenko@exact" in key for key in (*new.modes, *new.limits))
     assert {(one.model, one.reason) for one in new.reasons} == {
         ("timoshenko@exact", "it is elsewhere now")
     }
@@ -376,7 +382,7 @@ def test_zero_comparisons_are_no_pass() -> None:
             cases=(), ladders=(), singles=(), mapped=(), poses=(),
         )  # fmt: skip
         checked = solve(nothing, bench)
-        report = look(checked, bench, None)
+        report = look(checked, None)
     assert report.failed == [] and not report.passed
     assert "nothing was compared" in report.sentences()[0]
 

@@ -12,11 +12,19 @@ from harness.answer import Batch
 from harness.bench import Bench
 from harness.case import Case
 from harness.cases import PRESETS
-from harness.gate import properties as module
-from harness.gate.compare import failures
-from harness.gate.equivalents import EQUIVALENTS, UNITS, in_units, noise, relative
+from harness.gate import equivalents as module
+from harness.gate.equivalents import (
+    EQUIVALENTS,
+    UNITS,
+    in_units,
+    noise,
+    precision,
+    relative,
+    seen,
+)
+from harness.gate.gate import failures
 from harness.gate.plan import Plan, solve, standard
-from harness.gate.properties import Seen, precision, properties
+from harness.gate.properties import properties
 from reference_models import Named
 
 CASE = PRESETS["case2"]
@@ -37,7 +45,7 @@ def study(name: str, elements: int | None = None) -> Plan:
 
 
 def failed(plan: Plan, bench: Bench) -> set[str]:
-    return {one.quantity for one in properties(solve(plan, bench), bench) if one.fails}
+    return {one.quantity for one in properties(solve(plan, bench)) if one.fails}
 
 
 @pytest.mark.slow
@@ -66,7 +74,7 @@ def test_all_properties_hold(bench: Bench) -> None:
     names = ["euler-bernoulli", "rayleigh", "timoshenko", "multipliers", "condensed",
              "mujoco-cable", "exudyn-cable", "exudyn-beam"]  # fmt: skip
     full = standard([PRESETS["case1"], CASE], names)
-    found = properties(solve(replace(full, poses=full.poses[2::12]), bench), bench)
+    found = properties(solve(replace(full, poses=full.poses[2::12]), bench))
     assert [one for one in found if one.fails] == []
     assert len({one.quantity for one in found}) >= 20
     for model in full.ladders:
@@ -111,9 +119,7 @@ def test_theories_in_the_wrong_order_are_seen(bench: Bench, plant: Planted) -> N
         for (case, model), modes in right.cases.answers.items()
     }  # fmt: skip
     off = replace(right, cases=replace(right.cases, answers=answers))
-    assert "rayleigh above timoshenko" in {
-        one.quantity for one in properties(off, bench) if one.fails
-    }
+    assert "rayleigh above timoshenko" in {one.quantity for one in properties(off) if one.fails}
 
 
 @pytest.mark.slow
@@ -131,7 +137,7 @@ def test_many_poses_a_call_are_the_poses_one_by_one(bench: Bench) -> None:
     checked = solve(plan, bench)
     timed = {(row["case"], row["model"]) for row in checked.rows}
     assert timed >= {("workspace", "condensed@3"), ("workspace", "condensed@3, many poses a call")}
-    names = {(one.quantity, one.model) for one in properties(checked, bench) if not one.fails}
+    names = {(one.quantity, one.model) for one in properties(checked) if not one.fails}
     assert names >= {("many poses a call, map", f"condensed@{s}") for s in (3, "exact")}
     off = {
         model: replace(one, table=one.table * (1 + 3e-9))
@@ -139,7 +145,7 @@ def test_many_poses_a_call_are_the_poses_one_by_one(bench: Bench) -> None:
         if isinstance(one, Batch)
     }
     assert len(off) == len(checked.batches)
-    found = properties(replace(checked, batches=off), bench)
+    found = properties(replace(checked, batches=off))
     assert {one.quantity for one in found if one.fails} == {"many poses a call, map"}
 
 
@@ -152,7 +158,7 @@ def test_a_mechanism_without_symmetry_has_none_to_keep(bench: Bench) -> None:
         case = Case("mine", mechanism, CASE.pose, "a test")
         plan = standard([case], ["euler-bernoulli"])
         plan = replace(plan, cases=(), ladders=(), singles=(), poses=plan.poses[2::12])
-        found = properties(solve(plan, bench), bench)
+        found = properties(solve(plan, bench))
         assert ("120 deg symmetry" in {one.quantity for one in found}) == named
         assert all(not one.fails for one in found)
 
@@ -162,8 +168,9 @@ def test_the_bound_of_rounding_holds_and_is_derived(bench: Bench, elements: int)
     model = Named("timoshenko", elements)
     for pose in (CASE.pose, Pose(0.41, 0.7, 0.2), Pose(0.66, -2.0, 0.3)):
         f = model.modes(CASE.mechanism, pose).frequencies
-        bound = precision(model, CASE.mechanism, pose, 6)
-        assert (noise(bench, model, CASE.mechanism, pose, f) <= 2 * bound).all()
+        case = replace(CASE, pose=pose)
+        bound = precision(model, case)
+        assert (noise(bench, model, case, f) <= 2 * bound).all()
         assert bound.max() < 1e-9
 
 
@@ -172,24 +179,25 @@ def test_units_change_what_they_should() -> None:
     model = Named("euler-bernoulli", None)
     f = model.modes(CASE.mechanism, CASE.pose).frequencies
     for change in (in_units(length=1e-3), in_units(mass=1 / 0.3)):
-        mechanism, pose = change(CASE.mechanism, CASE.pose)
-        assert mechanism != CASE.mechanism
-        again = model.modes(mechanism, pose).frequencies
+        case = change(CASE)
+        assert case.mechanism != CASE.mechanism
+        again = model.modes(case.mechanism, case.pose).frequencies
         np.testing.assert_allclose(again, f, rtol=4e-12)
     timed = EQUIVALENTS[-1]
-    mechanism, pose = timed.change(CASE.mechanism, CASE.pose)
-    np.testing.assert_allclose(model.modes(mechanism, pose).frequencies, 1.7 * f, rtol=4e-12)
-    steel = mechanism.limbs[0].rod.material
+    case = timed.change(CASE)
+    again = model.modes(case.mechanism, case.pose).frequencies
+    np.testing.assert_allclose(again, 1.7 * f, rtol=4e-12)
+    steel = case.mechanism.limbs[0].rod.material
     assert isinstance(steel, Material) and steel.young == pytest.approx(1.7**2 * 200e9)
-    heavy, _ = in_units(mass=1 / 0.3, length=0.1)(CASE.mechanism, CASE.pose)
+    heavy = in_units(mass=1 / 0.3, length=0.1)(CASE).mechanism
     assert isinstance(heavy.platform, Platform)
     assert heavy.platform.mass == pytest.approx(0.3 * CASE.mechanism.platform.mass)
 
 
 def test_what_does_not_hold_is_told_from_what_does() -> None:
     for deviation, fails in ((1e-12, False), (3e-12, True), (float("nan"), True)):
-        seen = Seen("p", "m", "", "c", np.array([deviation]), np.array([2e-12]))
-        assert seen.worst()[1].fails == fails
+        _, one = seen("p", "m", "", CASE, np.array([deviation]), np.array([2e-12]))
+        assert one.fails == fails
 
 
 def test_two_zeros_are_equal_and_zero_is_like_no_other_number() -> None:

@@ -7,18 +7,27 @@ import numpy as np
 import pytest
 
 from analytic import InputError
-from harness.gate.files import load, save
-from harness.gate.measured import Count, Measured, Order, Shaped, Source
-from harness.gate.ratchet import FACTOR, FLOOR, Baseline, Reason, accept
+from harness.gate.figures import (
+    FACTOR,
+    Count,
+    Figures,
+    Order,
+    Reason,
+    Shaped,
+    Source,
+    load,
+    save,
+)
+from harness.gate.gate import FLOOR, accept
 
 ABOUT = {"time": "2026-01-02T03:04:05+00:00", "commit": "abc"}
 KEY = ("case1", "m@4", 1)
 
 
-def figures(frequency: float = 100.0) -> Measured:
+def figures(frequency: float = 100.0) -> Figures:
     labels = ("m@1", "m@2", "m@4")
     values = (frequency * 1.16, frequency * 1.01, frequency)
-    return Measured(
+    return Figures(
         {("case1", label, 1): Shaped(f, 2, 0.987654)
          for label, f in zip(labels, values, strict=True)},
         {("case1", "m@4", 1): 0.25},
@@ -29,7 +38,7 @@ def figures(frequency: float = 100.0) -> Measured:
     )  # fmt: skip
 
 
-def baseline(noise: float = 1e-9) -> Baseline:
+def baseline(noise: float = 1e-9) -> Figures:
     return accept(None, figures(), everywhere(noise), ABOUT, "")
 
 
@@ -38,26 +47,26 @@ def everywhere(noise: float) -> dict[tuple[str, str, int], float]:
 
 
 def test_a_tolerance_is_ten_times_the_noise_or_the_floor() -> None:
-    assert baseline(1e-9).allowed(KEY) == FACTOR * 1e-9
-    assert baseline(0.0).allowed(KEY) == FACTOR * FLOOR
+    assert baseline(1e-9).tolerance(KEY) == FACTOR * 1e-9
+    assert baseline(0.0).tolerance(KEY) == FACTOR * FLOOR
 
 
 def test_accepting_takes_values_and_only_tightens() -> None:
     quieter = accept(baseline(), figures(101.0), everywhere(1e-10), ABOUT, "")
-    assert quieter.figures.modes[KEY].frequency == 101.0
-    assert quieter.allowed(KEY) == FACTOR * 1e-10
+    assert quieter.modes[KEY].frequency == 101.0
+    assert quieter.tolerance(KEY) == FACTOR * 1e-10
     noisier = accept(quieter, figures(102.0), everywhere(1e-6), ABOUT, "")
-    assert noisier.figures.modes[KEY].frequency == 102.0
-    assert noisier.allowed(KEY) == FACTOR * 1e-10
+    assert noisier.modes[KEY].frequency == 102.0
+    assert noisier.tolerance(KEY) == FACTOR * 1e-10
     assert noisier.reasons == ()
 
 
 def test_small_steps_do_not_add_up() -> None:
     """A value within its tolerance stays what it was when it was accepted."""
     crept = accept(baseline(), figures(100.0 * (1 + 5e-9)), everywhere(1e-9), ABOUT, "")
-    assert crept.figures.modes[KEY].frequency == 100.0
+    assert crept.modes[KEY].frequency == 100.0
     moved = accept(baseline(), figures(100.0 * (1 + 5e-8)), everywhere(1e-9), ABOUT, "")
-    assert moved.figures.modes[KEY].frequency == 100.0 * (1 + 5e-8)
+    assert moved.modes[KEY].frequency == 100.0 * (1 + 5e-8)
 
 
 @pytest.mark.parametrize("drift", [1e-10, 8e-10, 5e-9])
@@ -65,42 +74,42 @@ def test_what_is_accepted_is_met_by_what_was_measured(drift: float) -> None:
     """A value is kept, and its tolerance not tightened below the distance to the new one."""
     now = figures(100.0 * (1 + drift))
     quieter = accept(baseline(), now, everywhere(1e-11), ABOUT, "")
-    assert quieter.figures.modes[KEY].frequency == 100.0
-    assert drift < quieter.allowed(KEY) <= baseline().allowed(KEY)
+    assert quieter.modes[KEY].frequency == 100.0
+    assert drift < quieter.tolerance(KEY) <= baseline().tolerance(KEY)
 
 
 def test_widening_takes_a_reason_which_stays() -> None:
     wide = accept(baseline(), figures(), everywhere(1e-7), ABOUT, "prints fewer digits")
-    assert wide.allowed(KEY) == FACTOR * 1e-7
+    assert wide.tolerance(KEY) == FACTOR * 1e-7
     kept = [one for one in wide.reasons if (one.case, one.model, one.mode) == KEY]
     assert kept == [
         Reason("2026-01-02T03:04:05+00:00", "abc", "tolerance", "m@4", "case1", 1,
                repr(FACTOR * 1e-9), repr(FACTOR * 1e-7), "prints fewer digits")
     ]  # fmt: skip
     later = accept(wide, figures(), everywhere(1e-9), ABOUT, "")
-    assert later.allowed(KEY) == FACTOR * 1e-9
+    assert later.tolerance(KEY) == FACTOR * 1e-9
     assert later.reasons == wide.reasons
 
 
 def test_a_reason_widens_only_what_noise_has_come_near() -> None:
     """Twice the noise is chance among four evaluations; the tolerance is ten times it."""
     same = accept(baseline(), figures(), everywhere(2e-9), ABOUT, "another matter")
-    assert same.allowed(KEY) == FACTOR * 1e-9 and same.reasons == ()
+    assert same.tolerance(KEY) == FACTOR * 1e-9 and same.reasons == ()
 
 
 def test_models_that_were_not_measured_stay() -> None:
     part = figures(200.0)
-    only = Measured({KEY: part.modes[KEY]}, sources={"m@4": part.sources["m@4"]})
+    only = Figures({KEY: part.modes[KEY]}, sources={"m@4": part.sources["m@4"]})
     after = accept(baseline(), only, {KEY: 1e-9}, ABOUT, "")
-    assert after.figures.modes[KEY].frequency == 200.0
-    assert after.figures.modes["case1", "m@2", 1].frequency == 101.0
-    assert after.figures.counts == {}, "an old count of a model measured anew"
-    assert after.figures.orders == {}, "an old order, one of whose meshes was measured anew"
+    assert after.modes[KEY].frequency == 200.0
+    assert after.modes["case1", "m@2", 1].frequency == 101.0
+    assert after.counts == {}, "an old count of a model measured anew"
+    assert after.orders == {}, "an old order, one of whose meshes was measured anew"
 
 
 def test_what_is_gone_goes_with_all_its_figures() -> None:
-    after = accept(baseline(), Measured(), {}, ABOUT, "it left", gone=["m@4"])
-    left = after.figures
+    after = accept(baseline(), Figures(), {}, ABOUT, "it left", gone=["m@4"])
+    left = after
     assert {*left.sources} == {"m@1", "m@2"} == {key[1] for key in (*left.modes, *after.limits)}
     assert (left.counts, left.orders, left.uncertainties) == ({}, {}, {})
 
@@ -113,17 +122,17 @@ def test_files_hold_every_digit(tmp_path: Path) -> None:
     save(tmp_path, first)
     again = load(tmp_path)
     assert again is not None
-    assert {k: one.frequency for k, one in again.figures.modes.items()} == {
-        k: one.frequency for k, one in first.figures.modes.items()
+    assert {k: one.frequency for k, one in again.modes.items()} == {
+        k: one.frequency for k, one in first.modes.items()
     }
     for one in first.limits:
-        assert again.allowed(one) == pytest.approx(first.allowed(one), rel=1e-2)
+        assert again.tolerance(one) == pytest.approx(first.tolerance(one), rel=1e-2)
     assert again.reasons == first.reasons and again.timed_since == first.timed_since
-    assert again.figures.sources == first.figures.sources
-    assert again.figures.mechanisms == first.figures.mechanisms
-    assert again.figures.uncertainties == first.figures.uncertainties == {KEY: 0.25}
-    assert again.figures.orders["case1", "m", 1].p == pytest.approx(3.9)
-    values = again.figures.followed("case1", ("m@1", "m@2", "m@4"), 1)
+    assert again.sources == first.sources
+    assert again.mechanisms == first.mechanisms
+    assert again.uncertainties == first.uncertainties == {KEY: 0.25}
+    assert again.orders["case1", "m", 1].p == pytest.approx(3.9)
+    values = again.followed("case1", ("m@1", "m@2", "m@4"), 1)
     assert values.tolist() == [100.0 * 1.16, 101.0, 100.0]
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     save(tmp_path, again)

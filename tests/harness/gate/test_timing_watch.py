@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from harness.gate.plan import YARDSTICK, yardstick, yardstick_row
 from harness.gate.timing_watch import LEAST, WINDOWS, changes, timings
-from harness.gate.yardstick import YARDSTICK, yardstick, yardstick_row
 from harness.history.store import append, open_history
 
 SERIES, RUNS = 40, 200
