@@ -33,6 +33,9 @@ SOFT, STIFF = 4.0, 10.0
 """Factors by which the lowest frequency may be above or below that of exact beams."""
 LOWEST = 6
 """Lowest modes that move: ten parts of a limb show no more bends than theirs."""
+SAID = {"theory": str, "model": str, "version": str, "dofs": Integral, "build_seconds": Real,
+        "solve_seconds": Real, "residual": Real}  # fmt: skip
+"""What an answer says beside its arrays; no number is below zero, and `residual` may be None."""
 
 
 class NotTakenError(ModelError):
@@ -55,16 +58,9 @@ def checked(
     """
     if type(answer) is not Modes:  # of another class anything may happen where it is read
         raise ModelError(f"it answered {type(answer).__name__}, where Modes were expected")
-    modes = answer
-    _told(modes)
-    frequencies = modes.frequencies
-    if frequencies.ndim == 1 and len(frequencies) != count:
-        raise ModelError(f"it gave {len(frequencies)} modes, where {count} were asked for")
-    if why := flaw(frequencies, (count,), modes.uncertainty):
-        raise ModelError(why)
-    _form(modes, mechanism)
+    _form(answer, count, len(mechanism.limbs))
     # Its own arrays, whatever the model does with its memory next; a -0.0 is 0.
-    modes = replace(modes, frequencies=frequencies + 0.0)
+    modes = replace(answer, frequencies=answer.frequencies + 0.0)
     _joints(modes, mechanism, pose)
     if exact is not None:
         _near(modes, exact)
@@ -106,9 +102,20 @@ def believed(
     others: of the two meshes that are extrapolated, and of the exact limit that `model` declares.
     Raises `ModelError` for what is not to be believed, and whatever `call` raises.
     """
-    info = model.info()
+    info, found = model.info(), object()
     if isinstance(model.elements, tuple):
-        found: object = _extrapolated(model, model.elements, mechanism, pose, count, known)
+        meshes = []
+        for number, spare in zip(model.elements, (2 * CROSSING, CROSSING), strict=True):
+            mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
+            try:
+                meshes.append(known(mesh, available(mechanism, count + spare)))
+            except NotTakenError:
+                raise
+            except ModelError as error:
+                raise ModelError(f"with {number} elements {error}") from None
+        found = extrapolated(
+            meshes[0], meshes[1], model.elements, info.order, mechanism, pose, count
+        )
     else:
         found = call(model, count)
     exact, truth = None, _truth(model)
@@ -176,84 +183,58 @@ class BatchTask:
         return Batch(table, seconds)
 
 
-def _extrapolated(
-    model: Model,
-    elements: tuple[int, int],
-    mechanism: Mechanism,
-    pose: Pose,
-    count: int,
-    known: Callable[[Model, int], Modes],
-) -> Modes:
-    meshes = []
-    for number, spare in zip(elements, (2 * CROSSING, CROSSING), strict=True):
-        mesh: Model = replace(model, elements=number)  # type: ignore[type-var]
-        try:
-            meshes.append(known(mesh, available(mechanism, count + spare)))
-        except NotTakenError:
-            raise
-        except ModelError as error:
-            raise ModelError(f"with {number} elements {error}") from None
-    order = model.info().order
-    return extrapolated(meshes[0], meshes[1], elements, order, mechanism, pose, count)
-
-
-def _told(modes: Modes) -> None:
-    """Refuse an answer whose arrays are no plain arrays of float64, or whose words are none.
+def _form(modes: Modes, count: int, limbs: int) -> None:
+    """Refuse an answer whose arrays are no plain, finite arrays of their shape, or whose words and
+    numbers are none.
 
     Single precision has seven digits, a whole number of hertz three; a masked value is none.
     """
-    arrays = ("frequencies", "platform", "limbs", "uncertainty")
-    for name in arrays[: 3 if modes.uncertainty is None else 4]:
+    shapes = {"frequencies": (count,), "uncertainty": (count,), "platform": (count, 6),
+              "limbs": (count, limbs, len(STATIONS), 3)}  # fmt: skip
+    for name, shape in shapes.items():
         value = getattr(modes, name)
+        if value is None and name == "uncertainty":
+            continue
         if type(value) is not np.ndarray:
             raise ModelError(f"its {name} are a {type(value).__name__}, not an array")
         if value.dtype != np.float64:
             raise ModelError(f"its {name} have type {value.dtype}, not float64")
-    for name in ("theory", "model", "version"):
-        if not isinstance(getattr(modes, name), str):
-            raise ModelError(f"its {name} is {getattr(modes, name)!r}, where a text was expected")
-    for name in ("dofs", "build_seconds", "solve_seconds", "residual"):
-        value = getattr(modes, name)
+        if name == "frequencies" and value.ndim == 1 and len(value) != count:
+            raise ModelError(f"it gave {len(value)} modes, where {count} were asked for")
+        if len(shape) > 1 and value.shape != shape:
+            raise ModelError(f"its shapes of the {name} are {value.shape}, not {shape}")
+        if len(shape) > 1 and not np.isfinite(value).all():
+            raise ModelError(f"its shapes of the {name} are not finite")
+    if why := flaw(modes.frequencies, (count,), modes.uncertainty):
+        raise ModelError(why)
+    for name, kind in SAID.items():
+        value, number = getattr(modes, name), kind is not str
         if value is None and name == "residual":
             continue
-        kind = Integral if name == "dofs" else Real
-        if not isinstance(value, kind) or isinstance(value, bool) or not float(value) >= 0:
-            raise ModelError(f"its {name} is {value!r}, where a number was expected")
-
-
-def _form(modes: Modes, mechanism: Mechanism) -> None:
-    number, limbs = len(modes.frequencies), len(mechanism.limbs)
-    for name, values, shape in (
-        ("platform", modes.platform, (number, 6)),
-        ("limbs", modes.limbs, (number, limbs, len(STATIONS), 3)),
-    ):
-        if np.shape(values) != shape:
-            raise ModelError(f"its shapes of the {name} are {np.shape(values)}, not {shape}")
-        if not np.isfinite(values).all():
-            raise ModelError(f"its shapes of the {name} are not finite")
+        good = isinstance(value, kind) and not isinstance(value, bool)
+        if not good or (number and not float(value) >= 0):
+            expected = "number" if number else "text"
+            raise ModelError(f"its {name} is {value!r}, where a {expected} was expected")
 
 
 def _joints(modes: Modes, mechanism: Mechanism, pose: Pose) -> None:
     limbs = limbs_at(mechanism, pose)
-    size = float(limbs.lengths.mean())
-    gap = modes.residual
-    if gap is not None and not gap <= CLOSED * size:
+    gap, size = modes.residual, float(limbs.lengths.mean())
+    if gap is not None and gap > CLOSED * size:
         raise ModelError(
             f"its joints are open by {gap:.1e} m, more than {CLOSED:.0e} of a limb: its "
             "frequencies are not those of the closed mechanism"
         )
-    shift, spin = modes.platform[:, None, :3], modes.platform[:, None, 3:]
-    tips = shift + np.cross(spin, limbs.arms[None])
-    largest = np.abs(modes.limbs).max(axis=(1, 2, 3), initial=0.0)
-    largest = np.maximum(largest, np.abs(tips).max(axis=(1, 2)))
+    tips = modes.platform[:, None, :3] + np.cross(modes.platform[:, None, 3:], limbs.arms[None])
+    ends = np.concatenate([modes.limbs, tips[:, :, None]], axis=2)
+    largest = np.abs(ends).max(axis=(1, 2, 3))
     largest = np.maximum(largest, STILL * largest.max())  # of one that moves neither: rounding
     base, tip = _held(mechanism, pose)
-    checks = (
-        ("limbs leave the platform's points", _seen(modes.limbs[:, :, -1] - tips, tip)),
-        ("limbs leave their bases", _seen(modes.limbs[:, :, 0], base)),
-    )
-    for what, off in checks:
-        far = np.abs(off).max(axis=(1, 2)) > TOGETHER * largest
+    for what, off, held in (
+        ("limbs leave the platform's points", modes.limbs[:, :, -1] - tips, tip),
+        ("limbs leave their bases", modes.limbs[:, :, 0], base),
+    ):
+        far = np.abs(np.einsum("nij,mnj->mni", held, off)).max(axis=(1, 2)) > TOGETHER * largest
         if far.any():
             raise ModelError(f"in the shape of mode {int(far.argmax()) + 1} {what}")
 
@@ -280,10 +261,6 @@ def _held(mechanism: Mechanism, pose: Pose) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _seen(off: Array, held: Array) -> Array:
-    return np.asarray(np.einsum("nij,mnj->mni", held, off))
-
-
 def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> None:
     """Refuse modes whose mass, of centre lines and platform, is not scaled to one.
 
@@ -305,8 +282,8 @@ def _masses(modes: Modes, info: Info, mechanism: Mechanism, pose: Pose) -> None:
     # Far up, sections may turn and lines hardly move.
     low = ~still & (np.cumsum(~still) <= LOWEST)
     light = low & (mass < LIGHTEST)
-    if not mechanism.simple:  # limbs between springs may twist, and move their lines a little
-        light &= not (low & (mass >= LIGHTEST)).any()
+    if not mechanism.simple and (low & ~light).any():
+        light[:] = False  # limbs between springs may twist, and move their lines a little
     wrong = (~still & (mass > HEAVIEST)) | light
     if wrong.any():
         i = int(wrong.argmax())

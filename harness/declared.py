@@ -86,35 +86,30 @@ def keeps(
     """
     if not info.torsion:
         moves = moving(exact, mechanism, pose)
-        exact = replace(
-            exact,
-            frequencies=exact.frequencies[moves],
-            platform=exact.platform[moves],
-            limbs=exact.limbs[moves],
-            uncertainty=None,
-        )
+        kept = {name: getattr(exact, name)[moves] for name in ("frequencies", "platform", "limbs")}
+        exact = replace(exact, uncertainty=None, **kept)
     found, truth = modes.frequencies, exact.frequencies
     if len(truth) <= len(found):
         return
+
+    def refuse(i: int) -> None:
+        raise ModelError(
+            f"its f{i + 1} is {found[i]:.6g} Hz, which is not of the theory that it declares: "
+            f"exact is {truth[i]:.6g} Hz"
+        )
+
     scale = np.maximum(truth, truth[truth > 0].min(initial=np.inf))
     off = np.abs(found - truth[: len(found)]) / scale[: len(found)]
     first = int((truth == 0).sum())
     if first < len(found) and not 1 / COARSE <= found[first] / truth[first] <= COARSE:
-        raise _miss(first, found, truth)
+        refuse(first)
     if elements is None and (off > SAME).any():
-        raise _miss(int(off.argmax()), found, truth)
-    _count(modes, exact, scale, mechanism, pose)
+        refuse(int(off.argmax()))
+    _count(modes, exact, scale, off.max(), mechanism, pose)
     if isinstance(elements, tuple) and modes.uncertainty is not None:
         known = modes.uncertainty / scale[: len(found)]
         if (off > TRUSTED * known.max() + SAME).any():
-            raise _miss(int(off.argmax()), found, truth)
-
-
-def _miss(i: int, found: Array, truth: Array) -> ModelError:
-    return ModelError(
-        f"its f{i + 1} is {found[i]:.6g} Hz, which is not of the theory that it declares: exact is "
-        f"{truth[i]:.6g} Hz"
-    )
+            refuse(int(off.argmax()))
 
 
 def moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
@@ -122,53 +117,43 @@ def moving(modes: Modes, mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
     return np.asarray(np.linalg.norm(mass_vectors(modes, mechanism, pose), axis=1) >= STILL)
 
 
-def _shapes(
-    found: Array, truth: Array, scale: Array, partner: NDArray[np.intp], sure: NDArray[np.bool_]
+def _count(
+    modes: Modes, exact: Modes, scale: Array, by_order: float, mechanism: Mechanism, pose: Pose
 ) -> None:
-    """Refuse frequencies that fit by order, but not by the shapes that they came with.
+    """Refuse `modes` with more or fewer of them below a gap of the `exact` ones.
 
-    Of modes that a mesh has in another order it is the other way round.
+    Modes are paired by shape; frequencies that fit by order, at most `by_order` off, but not by the
+    shapes that they came with are refused as well: of modes that a mesh has in another order it is
+    the other way round. A gap is left out where it is not `CLEAR` of how far the partners of its
+    ends are from these, or of what is usual: a mode without a partner does not excuse itself.
     """
-    number = len(found)
-    by_order = float((np.abs(found - truth[:number]) / scale[:number]).max())
-    by_shape = np.where(sure, np.abs(found - truth[partner]) / scale[partner], 0.0)
-    if by_shape.max() > CLEAR * by_order + EXCHANGED:
+    found, truth = modes.frequencies, exact.frequencies
+    pairing = pair(modes, exact, mechanism, pose)
+    partner, sure = pairing.partner, ~pairing.doubtful
+    away = np.abs(found - truth[partner])
+    by_shape = np.where(sure, away / scale[partner], 0.0)
+    worst = by_shape.max(initial=0.0)
+    if worst > CLEAR * by_order + EXCHANGED:
         i = int(by_shape.argmax())
         raise ModelError(
             f"the shape of its f{i + 1}, {found[i]:.6g} Hz, is that of {truth[partner[i]]:.6g} Hz "
             "of the theory that it declares: shapes are exchanged"
         )
-
-
-def _count(modes: Modes, exact: Modes, scale: Array, mechanism: Mechanism, pose: Pose) -> None:
-    """Refuse `modes` with more or fewer of them below a gap of the `exact` ones.
-
-    Modes are paired by shape. A gap is left out where it is not `CLEAR` of how far the partners of
-    its ends are from these, or of what is usual: a mode without a partner does not excuse itself.
-    """
-    found, truth = modes.frequencies, exact.frequencies
-    pairing = pair(modes, exact, mechanism, pose)
-    partner = pairing.partner
-    away = np.abs(found - truth[partner])
-    _shapes(found, truth, scale, partner, ~pairing.doubtful)
-    worst = float((away / scale[partner])[~pairing.doubtful].max(initial=0.0))
     deviation = float(np.median(away / scale[partner])) * scale
     deviation[partner] = np.maximum(deviation[partner], away)
     number = len(found) + 1
-    gap = np.diff(truth[:number])
+    lower, upper = truth[: number - 1], truth[1:number]
+    gap = upper - lower
     clear = gap > CLEAR * np.maximum(deviation[1:number], deviation[: number - 1])
-    clear &= gap > REPEATED * truth[1:number]
     # What a coarse mesh has higher up is not missing.
-    clear &= truth[: number - 1] * (1 + CLEAR * worst) <= found[-1]
-    middle = (truth[1:number] + truth[: number - 1]) / 2
-    lower, partners = found[:, None] < middle, truth[partner][:, None] < middle
+    clear &= (gap > REPEATED * upper) & (lower * (1 + CLEAR * worst) <= found[-1])
+    middle = (upper + lower) / 2
+    below, partners = found[:, None] < middle, truth[partner][:, None] < middle
     # A mode that a coarse mesh has on the other side is neither missing nor made up.
-    crossed = (lower.astype(int) - partners)[~pairing.doubtful].sum(axis=0)
-    below, right = lower.sum(axis=0), np.arange(1, number) + crossed
-    wrong = np.flatnonzero(clear & (below != right))
-    if wrong.size:
-        i = int(wrong[0])
+    crossed = (below.astype(int) - partners)[sure].sum(axis=0)
+    has, right = below.sum(axis=0), np.arange(1, number) + crossed
+    for i in np.flatnonzero(clear & (has != right))[:1]:
         raise ModelError(
-            f"it has {below[i]} modes below {middle[i]:.6g} Hz, where its theory has {right[i]}: "
-            f"a mode is {'missing' if below[i] < right[i] else 'made up'}"
+            f"it has {has[i]} modes below {middle[i]:.6g} Hz, where its theory has {right[i]}: "
+            f"a mode is {'missing' if has[i] < right[i] else 'made up'}"
         )

@@ -7,8 +7,7 @@ properties on a plan of this one model. Beside them: how it describes itself, ho
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from harness.bench import Bench, label
 from harness.cases import PRESETS
 from harness.declared import STILL
 from harness.gate.equivalents import precision
-from harness.gate.figures import Finding
 from harness.gate.gate import measure
 from harness.gate.plan import MODES, Checked, Plan, solve, standard
 from harness.gate.properties import properties
@@ -40,8 +38,7 @@ MANY = 10_000_000
 """More modes than any model has."""
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """The answer to one question: whether it `holds`, None where it could not be asked."""
 
     question: str
@@ -51,21 +48,16 @@ class Answer:
 
 @dataclass(frozen=True)
 class Verified(Result):
-    """All that was asked of the model called `name`; what was `solved` for it."""
+    """All that was asked of the model called `name`; `studies`: what was solved for it."""
 
     name: str
     answers: tuple[Answer, ...]
-    solved: "tuple[Study, ...]" = ()
+    studies: "tuple[Study, ...]" = ()
 
     @property
     def passed(self) -> bool:
         """Whether nothing fails."""
-        return all(one.holds is not False for one in self.answers)
-
-    @property
-    def studies(self) -> "tuple[Study, ...]":
-        """What was solved for it."""
-        return self.solved
+        return not self.failures()
 
     def failures(self) -> dict[str, str]:
         """Return what fails by its question: what was found instead."""
@@ -73,7 +65,7 @@ class Verified(Result):
 
     def records(self) -> list[dict[str, Any]]:
         """Return one row a question."""
-        return [{"model": self.name, **vars(one)} for one in self.answers]
+        return [{"model": self.name, **one._asdict()} for one in self.answers]
 
     def tables(self) -> dict[str, Table]:
         """Return one row a question."""
@@ -97,15 +89,19 @@ def verify(name: str, bench: Bench | None = None) -> Verified:
     if bench is None:
         with Bench() as own:
             return verify(name, own)
-    described = [*_described(name)]
-    if any(one.holds is False for one in described):
-        return Verified(name, tuple(described))
+    answers = [*_described(name)]
+    if any(one.holds is False for one in answers):
+        return Verified(name, tuple(answers))
     plan = _plan(name)
     checked = solve(plan, bench)
-    answers = [*described, _answered(checked)]
+    answers.append(_answered(checked))
     if answers[-1].holds:
-        about = ((one, parse(one.model, "model").name) for one in properties(checked))
-        answers += [_property(one) for one, of in about if of == name]
+        answers += [
+            Answer(f"{one.quantity}: {one.model}", not one.fails,
+                   f"off by {one.after:.1e} at {one.case}, mode {one.mode}; "
+                   f"allowed {one.tolerance:.1e} ({one.cause})")
+            for one in properties(checked) if parse(one.model, "model").name == name
+        ]  # fmt: skip
         answers += [_order(checked), *_repeated(checked)]
     answers += _refusals(plan.everywhere[0], bench)
     return Verified(name, tuple(answers), (checked.cases,))
@@ -113,74 +109,59 @@ def verify(name: str, bench: Bench | None = None) -> Verified:
 
 def _described(name: str) -> Iterator[Answer]:
     """What it says of itself."""
-    model = Named(name, None)
-    info = model.info()
+    info = Named(name, None).info()
     yield Answer("it can be loaded and runs here", not info.missing, info.missing or "it does")
     if info.missing:
         return
-    wrong = [
-        f"{what} is empty" for what in ("theory", "program", "version") if not getattr(info, what)
-    ]
-    if not info.order > 0:
-        wrong.append(f"its order is {info.order}")
-    if not info.ladder or any(a >= b for a, b in pairwise(info.ladder)):
-        wrong.append(f"its ladder {info.ladder} does not ascend")
-    if info.refinements and not info.refinements[0] < info.refinements[1]:
-        wrong.append(f"its refinements {info.refinements} do not ascend")
+    ladder, both = info.ladder, info.refinements
+    makes_sense = {f"{x} is empty": getattr(info, x) for x in ("theory", "program", "version")} | {
+        f"its order is {info.order}": info.order > 0,
+        f"its ladder {ladder} does not ascend": ladder and ladder == (*sorted({*ladder}),),
+        f"its refinements {both} do not ascend": not both or both[0] < both[1],
+    }
+    wrong = "; ".join(fault for fault, good in makes_sense.items() if not good)
     said = f"theory {info.theory}, order {info.order:g}, limit {info.limit or 'none'}"
-    yield Answer("its info() makes sense", not wrong, "; ".join(wrong) or said)
+    yield Answer("its info() makes sense", not wrong, wrong or said)
 
 
 def _plan(name: str) -> Plan:
     """Return the gate's plan of one model; its map is one pose, turned from limb to limb."""
     plan = standard((LEVEL, TILTED), [name])
-    coarse = plan.ladders[0][0]
     limbs = len(TILTED.mechanism.limbs)
     turned = tuple(
-        replace(
-            TILTED,
-            name=f"{TILTED.name} turned by {360 / limbs * k:g} deg",
-            pose=turned_pose(TILTED.pose, 2 * np.pi / limbs * k),
-        )
+        replace(TILTED, name=f"{TILTED.name} turned by {360 / limbs * k:g} deg",
+                pose=turned_pose(TILTED.pose, 2 * np.pi / limbs * k))
         for k in range(limbs)
-    )
-    return replace(plan, mapped=(coarse,), poses=turned)
+    )  # fmt: skip
+    return replace(plan, mapped=plan.ladders[0][:1], poses=turned)
 
 
 def _answered(checked: Checked) -> Answer:
     """What fails as an answer arrives: units, shapes, joints, modal mass, mode counts."""
     question = "its answers can be believed: hertz, modes, joints, shapes, modal mass"
-    said = {
-        f"{label(model)} at {case.name}: {why}": why
-        for study in checked.studies
-        for (case, model), why in study.failures.items()
-    }
-    said |= {f"many poses a call: {x.reason}": x.reason for x in checked.batches.values()
-             if isinstance(x, Failure)}  # fmt: skip
-    if said:
-        first = {why: where for where, why in reversed(said.items())}  # each reason once
-        return Answer(question, False, "; ".join(reversed(first.values())))
+    said: dict[str, str] = {}  # each reason once, where it came first
+    for study in checked.studies:
+        for (case, model), why in study.failures.items():
+            said[why] = said.pop(why, f"{label(model)} at {case.name}: {why}")
+    for many in checked.batches.values():
+        if isinstance(many, Failure):
+            said[many.reason] = said.pop(many.reason, f"many poses a call: {many.reason}")
     number = sum(len(study.answers) for study in checked.studies)
-    return Answer(question, True, f"{number} answers on {len(checked.plan.everywhere)} meshes")
-
-
-def _property(one: Finding) -> Answer:
-    where = f"{one.case}, mode {one.mode}"
-    said = f"off by {one.after:.1e} at {where}; allowed {one.tolerance:.1e} ({one.cause})"
-    return Answer(f"{one.quantity}: {one.model}", not one.fails, said)
+    good = f"{number} answers on {len(checked.plan.everywhere)} meshes"
+    return Answer(question, not said, "; ".join(said.values()) or good)
 
 
 def _order(checked: Checked) -> Answer:
     """Its frequencies converge at the order that it declares."""
     question = "its order of convergence is as declared"
-    orders = measure(checked).orders.values()
+    orders = [one.p for one in measure(checked).orders.values()]
     if not orders:
         return Answer(question, None, "no three meshes whose differences are more than rounding")
-    formal = checked.plan.ladders[0][0].info().order
-    seen = float(np.median([one.p for one in orders]))
-    steps = ", ".join(str(model.elements) for model in checked.plan.ladders[0])
+    ladder = checked.plan.ladders[0]
+    formal, seen = ladder[0].info().order, float(np.median(orders))
+    steps = ", ".join(str(model.elements) for model in ladder)
     said = f"observed {seen:.2f} on {steps} elements, declared {formal:g}"
-    return Answer(question, bool(abs(seen - formal) < HALF), said)
+    return Answer(question, abs(seen - formal) < HALF, said)
 
 
 def _repeated(checked: Checked) -> Iterator[Answer]:
@@ -215,18 +196,14 @@ def _refused(mechanism: Mechanism, pose: Pose, count: int, model: Named) -> str:
 
 def _refusals(model: Named, bench: Bench) -> Iterator[Answer]:
     """What cannot be answered is refused by an `InputError`, not by chance."""
-    several = Pose(np.array([0.48, 0.49]))
     for what, one, at, count in (
         ("no modes (count=0)", model, TILTED.pose, 0),
         ("more modes than it has", model, TILTED.pose, MANY),
         ("no elements (elements=0)", replace(model, elements=0), TILTED.pose, MODES),
-        ("several poses at once", model, several, MODES),
+        ("several poses at once", model, Pose(np.array([0.48, 0.49])), MODES),
     ):
-        said = bench.call(
-            Question(one, partial(_refused, TILTED.mechanism, at, count)), isolated=True
-        )
+        asked = Question(one, partial(_refused, TILTED.mechanism, at, count))
+        said = bench.call(asked, isolated=True)
         why = said.reason if isinstance(said, Failure) else str(said)
-        yield Answer(
-            f"refused in a sentence: {what}", not why,
-            f"{why}; raise analytic.InputError(name, value, expected)" if why else "it is",
-        )  # fmt: skip
+        found = f"{why}; raise analytic.InputError(name, value, expected)" if why else "it is"
+        yield Answer(f"refused in a sentence: {what}", not why, found)

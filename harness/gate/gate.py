@@ -4,7 +4,7 @@ A tolerance is `FACTOR` times the model's own numerical noise (`harness.gate.equ
 Accepting takes new values but never a wider tolerance, unless a reason is given and kept.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
@@ -291,14 +291,8 @@ def accepted(report: Report, reason: str) -> Figures:
     lower = [one for one in report.failed if one.verdict == FAILED]
     if lower and not reason:
         raise InputError("reason", None, f"why {len(lower)} findings that lower the bar are right")
-    gone = {one.model for one in lower if one.kind == "missing"} - report.now.sources.keys()
-    reasons = [
-        Reason(about["time"], about["commit"], one.quantity, one.model, place, one.mode or 0,
-               str(one.before), str(one.after), reason)
-        for one, place, _ in condense(lower)
-    ]  # fmt: skip
-    own = measure_noise(report.solved)
-    result = accept(report.baseline, report.now, own, about, reason, reasons, gone)
+    noise_now = measure_noise(report.solved)
+    result = accept(report.baseline, report.now, noise_now, about, reason, lower)
     moved = {one.model for one in report.findings if one.kind == "timing"}
     since = {one.model: one.since.isoformat() for one in report.timings if one.model in moved}
     return replace(result, timed_since=result.timed_since | since)
@@ -332,16 +326,16 @@ def accept(
     noise: Mapping[Key, float],
     about: Mapping[str, str],
     reason: str,
-    reasons: Sequence[Reason] = (),
-    gone: Collection[str] = (),
+    lower: Sequence[Finding] = (),
 ) -> Figures:
     """Return the figures that take `now`: tolerances the smaller of old and newly measured.
 
     With a `reason` they widen where noise has come near them (`NEAR`); every one that does is
-    recorded with `about` (time and commit), after `reasons`, those of whatever else was accepted.
-    Models not measured stay as they are, but for those called one of `gone`.
+    recorded with `about` (time and commit), after the findings that `lower` the bar otherwise.
+    Models not measured stay as they are, but for those that are missing among the latter.
     """
     before = before or Figures()
+    gone = {one.model for one in lower if one.kind == "missing"} - now.sources.keys()
     modes, drift = dict(now.modes), dict[Key, float]()
     for key, new in now.modes.items():
         was, place = before.modes.get(key), (group(key[0]), *key[1:])
@@ -350,7 +344,7 @@ def accept(
         # What did not move keeps its value: many small steps must not add up unseen.
         if (off := float(relative(new.frequency, was.frequency))) <= before.tolerance(key):
             modes[key], drift[place] = was, max(drift.get(place, 0.0), off)
-    limits, wider = dict(before.limits), []
+    limits, wider = dict(before.limits), list[Finding]()
     for key, own in noise.items():
         # A value that is kept must still be met by what was measured.
         value = FACTOR * max(own, drift.get(key, 0.0), FLOOR)
@@ -359,10 +353,14 @@ def accept(
         limits[key] = Limit(own, value if widens else min(old, value))
         if widens:
             case, model, mode = key
-            wider.append(Reason(about["time"], about["commit"], "tolerance", model, case, mode,
-                                repr(old), repr(value), reason))  # fmt: skip
+            wider.append(Finding("tolerance", model, case, mode, "tolerance", old, value))
+    reasons = [
+        Reason(about["time"], about["commit"], one.quantity, one.model, place, one.mode or 0,
+               str(one.before), str(one.after), reason)
+        for one, place, _ in (*condense(lower), *condense(wider))
+    ]  # fmt: skip
     return replace(
         before.updated(replace(now, modes=modes), gone),
         limits={key: one for key, one in limits.items() if key[1] not in gone},
-        reasons=(*before.reasons, *reasons, *wider),
+        reasons=(*before.reasons, *reasons),
     )

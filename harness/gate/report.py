@@ -2,21 +2,24 @@
 
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from xml.etree import ElementTree
 
-from harness.gate.figures import COMPARED, HELD, KINDS, Figures, Finding, condense
+from harness.gate.figures import COMPARED, HELD, KINDS, NOTED, Figures, Finding, condense
 from harness.gate.plan import Checked, group
 from harness.gate.timing_watch import Timing
 from harness.plain import plain
 from harness.result import Result
 from harness.tables import Table
 
-if TYPE_CHECKING:
-    import pandas as pd
+MOVED = ("Kind", "Model", "Case", "Mode", "Quantity", "Before", "After", "Change", "Allowed",
+         "Verdict", "Cause")  # fmt: skip
+PROPERTIES = ("Property", "Model", "Worst at", "Mode", "Deviation", "Bound", "Bound from", "Holds")
+SECONDS = ("Model", "Runs", "Last runs [%]", "Noise of a run [%]", "Slower", "Faster")
+SCORE = "slower, faster: mean score over its threshold; from 1 on a change"
 
 
 @dataclass(frozen=True)
@@ -62,52 +65,40 @@ class Report(Result):
         counted = Counter(one.kind for one in self.seen)
         return {kind: counted[kind] for kind in COMPARED}
 
-    def to_frame(self) -> "pd.DataFrame":
+    def records(self) -> list[dict[str, Any]]:
         """Return one row a finding."""
-        import pandas as pd
-
-        names = list(Finding.__dataclass_fields__)
-        return pd.DataFrame([vars(one) for one in self.findings], columns=names)
+        return [vars(one) for one in self.findings]
 
     def tables(self) -> dict[str, Table]:
         """Return how much was compared, what moved if anything did, properties and seconds."""
         failed = Counter(one.kind for one in self.failed)
         noted = Counter(one.kind for one in self.findings if not one.fails)
-        compared = tuple(
-            (kind, self.checked.get(kind, ""), failed[kind], noted[kind])
-            for kind in KINDS if self.checked.get(kind) or failed[kind] or noted[kind]
-        )  # fmt: skip
-        shown = sorted(condense(self.findings), key=lambda one: KINDS.index(one[0].kind))
-        moved = tuple(
+        compared = ((kind, self.checked.get(kind, ""), failed[kind], noted[kind]) for kind in KINDS)
+        order = {kind: place for place, kind in enumerate(KINDS)}
+        moved = (
             (one.kind, one.model, where, _mode(one), one.quantity, *_numbers(one), one.verdict,
              one.cause)
-            for one, where, _ in shown
+            for one, where, _ in sorted(condense(self.findings), key=lambda x: order[x[0].kind])
+        )  # fmt: skip
+        properties = (
+            (one.quantity, one.model, one.case, _mode(one), f"{one.after:.1e}",
+             f"{one.tolerance:.1e}", one.cause, "NO" if one.fails else "yes")
+            for one in self.seen if one.kind == "property"
+        )  # fmt: skip
+        seconds = (
+            (one.model, one.slower.runs, f"{100 * (one.slower.factor - 1):+.0f}",
+             f"{100 * one.slower.noise:.0f}", f"{one.slower.score:.2f}", f"{one.faster.score:.2f}")
+            for one in self.timings
         )  # fmt: skip
         found = {
-            "": Table("Compared", ("Kind", "Compared", "Failed", "Noted"), compared),
-            "-findings": Table("What moved", MOVED, moved),
-            "-properties": _table("What needs no baseline", PROPERTIES, self.properties()),
-            "-timings": _table("Seconds, by the yardstick of the same run", TIMINGS, self.seconds(),
-                               "slower, faster: mean score over its threshold; from 1 on a change"),
+            "": Table("Compared", ("Kind", "Compared", "Failed", "Noted"),
+                      tuple(row for row in compared if any(row[1:]))),
+            "-findings": Table("What moved", MOVED, tuple(moved)),
+            "-properties": Table("What needs no baseline", PROPERTIES, tuple(properties)),
+            "-timings": Table("Seconds, by the yardstick of the same run", SECONDS, tuple(seconds),
+                              (SCORE,)),
         }  # fmt: skip
         return {ending: table for ending, table in found.items() if table.rows or not ending}
-
-    def properties(self) -> list[dict[str, Any]]:
-        """Return every property with its measured deviation and bound."""
-        return [
-            {"name": one.quantity, "model": one.model, "case": one.case, "mode": one.mode,
-             "deviation": one.after, "bound": one.tolerance, "remark": one.cause,
-             "holds": not one.fails}
-            for one in self.seen if one.kind == "property"
-        ]  # fmt: skip
-
-    def seconds(self) -> list[dict[str, Any]]:
-        """Return every model's seconds: the last runs against those before, and the noise."""
-        return [
-            {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
-             "noise": one.slower.noise, "slower": one.slower.score, "faster": one.faster.score}
-            for one in self.timings
-        ]  # fmt: skip
 
     def sentences(self) -> list[str]:
         """Return the outcome, and notes."""
@@ -131,35 +122,6 @@ class Report(Result):
         return f"failed: nothing was compared, {what}"
 
 
-def _table(
-    title: str,
-    columns: Mapping[str, Callable[[Any], str | int]],
-    rows: Sequence[Mapping[str, Any]],
-    *notes: str,
-) -> Table:
-    """Return a table of `rows`, each value in its column's form."""
-    cells = tuple(
-        tuple(form(x) for form, x in zip(columns.values(), row.values(), strict=True))
-        for row in rows
-    )
-    return Table(title, tuple(columns), cells, notes)
-
-
-MOVED = ("Kind", "Model", "Case", "Mode", "Quantity", "Before", "After", "Change", "Allowed",
-         "Verdict", "Cause")  # fmt: skip
-PROPERTIES: dict[str, Callable[[Any], str | int]] = {
-    "Property": str, "Model": str, "Worst at": str, "Mode": "f{}".format,
-    "Deviation": "{:.1e}".format, "Bound": "{:.1e}".format, "Bound from": str,
-    "Holds": lambda holds: "yes" if holds else "NO",
-}  # fmt: skip
-TIMINGS: dict[str, Callable[[Any], str | int]] = {
-    "Model": str, "Runs": int, "Last runs [%]": lambda x: f"{100 * (x - 1):+.0f}",
-    "Noise of a run [%]": lambda x: f"{100 * x:.0f}", "Slower": "{:.2f}".format,
-    "Faster": "{:.2f}".format,
-}  # fmt: skip
-"""Columns of the tables, and how each writes a value."""
-
-
 def as_json(report: Report) -> bytes:
     """Return everything, for programs; of the map's poses each model's worst, `of` so many."""
     content = {
@@ -168,10 +130,19 @@ def as_json(report: Report) -> bytes:
         **report.about,
         "checked": report.checked,
         "findings": [vars(one) | {"of": of} for one, _, of in condense(report.findings)],
-        "properties": report.properties(),
-        "timings": report.seconds(),
+        "properties": [
+            {"name": one.quantity, "model": one.model, "case": one.case, "mode": one.mode,
+             "deviation": one.after, "bound": one.tolerance, "remark": one.cause,
+             "holds": not one.fails}
+            for one in report.seen if one.kind == "property"
+        ],
+        "timings": [
+            {"model": one.model, "runs": one.slower.runs, "factor": one.slower.factor,
+             "noise": one.slower.noise, "slower": one.slower.score, "faster": one.faster.score}
+            for one in report.timings
+        ],
         "notes": report.notes,
-    }
+    }  # fmt: skip
     # JSON has no number that is not finite: a text stands for it.
     text = json.dumps(content, default=str)
     finite = json.loads(text, parse_constant=lambda constant: str(float(constant)))
@@ -181,17 +152,16 @@ def as_json(report: Report) -> bytes:
 def as_markdown(report: Report) -> bytes:
     """Return a summary for a CI's page: GitHub-flavoured Markdown."""
     mark = ":white_check_mark:" if report.passed else ":x:"
-    tables = report.tables()
-    parts = [f"# {mark} rps-bench check {report.outcome}\n"]
-    parts += [tables[ending].markdown() for ending in ("", "-findings") if ending in tables]
-    parts += [f"- {plain(note)}\n" for note in report.notes]
-    parts += [
-        f"<details><summary>{table.title}</summary>\n\n{table.markdown()}\n</details>\n"
-        for ending, table in tables.items()
-        if ending in ("-properties", "-timings")
-    ]
-    parts.append(", ".join(f"{name} {value}" for name, value in report.about.items()) + "\n")
-    return "\n".join(parts).encode()
+    parts, details = [f"# {mark} rps-bench check {report.outcome}\n"], []
+    for ending, table in report.tables().items():
+        if ending in ("", "-findings"):
+            parts.append(table.markdown())
+        else:
+            summary = f"<details><summary>{table.title}</summary>"
+            details.append(f"{summary}\n\n{table.markdown()}\n</details>\n")
+    notes = [f"- {plain(note)}\n" for note in report.notes]
+    about = ", ".join(f"{name} {value}" for name, value in report.about.items())
+    return "\n".join([*parts, *notes, *details, f"{about}\n"]).encode()
 
 
 def as_junit(report: Report) -> bytes:
@@ -206,19 +176,17 @@ def as_junit(report: Report) -> bytes:
             if one.kind == kind:
                 other = {"property": one.quantity, "timing": "seconds"}
                 name = other.get(kind, group(one.case) or one.quantity)
-                said = [] if one.verdict == HELD else [one]
-                tests.setdefault((one.model, name), []).extend(said)
-        bad = sum(any(one.fails for one in found) for found in tests.values())
-        suite = ElementTree.SubElement(
-            root, "testsuite", name=kind, tests=str(len(tests)), failures=str(bad)
-        )
+                tests.setdefault((one.model, name), []).append(one)
+        suite = ElementTree.SubElement(root, "testsuite", name=kind, tests=str(len(tests)))
         for (model, name), found in sorted(tests.items()):
             test = ElementTree.SubElement(suite, "testcase", classname=f"{kind}.{model}", name=name)
             failed = [_line(one) for one in found if one.fails]
+            noted = [_line(one) for one in found if one.verdict == NOTED]
             if failed:
                 ElementTree.SubElement(test, "failure", message=failed[0]).text = "\n".join(failed)
-            elif found:
-                ElementTree.SubElement(test, "system-out").text = "\n".join(map(_line, found))
+            elif noted:
+                ElementTree.SubElement(test, "system-out").text = "\n".join(noted)
+        suite.set("failures", str(len(suite.findall("testcase/failure"))))
     for element in root.iter():  # XML has no characters that steer a terminal
         element.attrib = {key: plain(value) for key, value in element.attrib.items()}
         element.text = "\n".join(map(plain, (element.text or "").split("\n")))
@@ -232,11 +200,11 @@ FORMS = {"json": as_json, "markdown": as_markdown, "junit": as_junit}
 
 
 def _line(one: Finding) -> str:
-    mode = "" if one.mode is None else f" mode {one.mode}"
+    mode = one.mode and f" mode {one.mode}"
     before, after, change, allowed = _numbers(one)
-    cause = f" ({one.cause})" if one.cause else ""
+    cause = one.cause and f" ({one.cause})"
     return (
-        f"{one.model} {one.case}{mode}: {one.quantity} {before} -> {after}, {change}, "
+        f"{one.model} {one.case}{mode or ''}: {one.quantity} {before} -> {after}, {change}, "
         f"allowed {allowed}: {one.verdict}{cause}"
     )
 
@@ -248,17 +216,13 @@ def _mode(one: Finding) -> str:
 def _numbers(one: Finding) -> tuple[str, str, str, str]:
     """Return a finding's value before and after, its change, and the change allowed."""
     before, after = (
-        "" if value is None else f"{value:.12g}" if isinstance(value, float) else value
+        f"{value:.12g}" if isinstance(value, float) else value or ""
         for value in (one.before, one.after)
     )
-    change = allowed = ""
-    if one.moved is not None:
-        change = f"{one.moved:{'+.1e' if one.kind == 'frequency' else '+.3g'}}"
-    if one.tolerance is not None:
-        allowed = f"{one.tolerance:.1e}"
-        if one.kind == "timing":
-            change, allowed = (
-                f"{100 * (one.moved or 0):+.0f} %",
-                f"noise {100 * one.tolerance:.0f} %",
-            )
+    change = (
+        "" if one.moved is None else f"{one.moved:{'+.1e' if one.kind == 'frequency' else '+.3g'}}"
+    )
+    allowed = "" if one.tolerance is None else f"{one.tolerance:.1e}"
+    if one.kind == "timing" and one.moved is not None:
+        change, allowed = f"{100 * one.moved:+.0f} %", f"noise {100 * (one.tolerance or 0):.0f} %"
     return before, after, change, allowed

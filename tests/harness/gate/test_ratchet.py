@@ -11,6 +11,7 @@ from harness.gate.figures import (
     FACTOR,
     Count,
     Figures,
+    Finding,
     Order,
     Reason,
     Shaped,
@@ -22,6 +23,7 @@ from harness.gate.gate import FLOOR, accept
 
 ABOUT = {"time": "2026-01-02T03:04:05+00:00", "commit": "abc"}
 KEY = ("case1", "m@4", 1)
+LEFT = Finding("missing", "m@4", "case1", None, "accepted figures", "accepted", "not measured")
 
 
 def figures(frequency: float = 100.0) -> Figures:
@@ -108,7 +110,7 @@ def test_models_that_were_not_measured_stay() -> None:
 
 
 def test_what_is_gone_goes_with_all_its_figures() -> None:
-    after = accept(baseline(), Figures(), {}, ABOUT, "it left", gone=["m@4"])
+    after = accept(baseline(), Figures(), {}, ABOUT, "it left", [LEFT])
     left = after
     assert {*left.sources} == {"m@1", "m@2"} == {key[1] for key in (*left.modes, *after.limits)}
     assert (left.counts, left.orders, left.uncertainties) == ({}, {}, {})
