@@ -1,10 +1,7 @@
 """The gate's commands: `check` says what moved, and `accept` takes it as what is expected."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from datetime import UTC, datetime
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -17,13 +14,9 @@ from harness.cli.terminal import Bar, show_tables
 from harness.plain import plain
 
 if TYPE_CHECKING:
-    from harness.bench import Bench
     from harness.gate.figures import Figures
     from harness.gate.plan import Plan
     from harness.gate.report import Report
-
-FILES = {"json": "check.json", "markdown": "check.md", "junit": "check.xml"}
-"""What --output writes, by the option that writes it elsewhere."""
 
 
 def _gate(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -63,23 +56,24 @@ def check(
     none: symmetries, units, limits, agreement. `rps-bench accept` takes what was found.
     """
     from harness.bench import Bench
+    from harness.gate.gate import run
     from harness.gate.report import FORMS
     from harness.output import check_file, write_all
     from harness.report.page import renewed
 
-    files = {form: texts.pop(form) for form in FILES}
+    files = {form: texts.pop(form) for form in FORMS}
     if compare is not None:
         models = texts.pop("models")
         if any(texts.values()) or any(files.values()):
             raise InputError("compare", compare, "no option beside it but --models and --output")
         return _compare(compare, models, output, time_limit)
-    targets = [] if output is None else [(form, output / name) for form, name in FILES.items()]
+    targets = [] if output is None else [(f, output / name) for f, (name, _) in FORMS.items()]
     targets += [(form, check_file(text, form)) for form, text in files.items() if text is not None]
     plan, _, known = _asked(**texts)
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report = _look(plan, known, bench, history)
+        report = run(plan, known, bench, history, flags.as_typed())
     for form, path in targets:
-        write_all(path.parent, {path.name: FORMS[form](report)})
+        write_all(path.parent, {path.name: FORMS[form][1](report)})
     if output is not None:
         write_all(output, renewed(output, history))
     _display(report)
@@ -108,7 +102,7 @@ def accept(
     from harness.accepted import files, unlike
     from harness.bench import Bench
     from harness.gate.figures import save
-    from harness.gate.gate import NotAcceptedError, accepted
+    from harness.gate.gate import NotAcceptedError, accepted, run
     from harness.output import write_all
 
     plan, folder, known = _asked(**texts, new=True)
@@ -124,7 +118,7 @@ def accept(
         raise InputError("latest", source, expected)
     refused = ""
     with Bar() as bar, Bench(time_limit, bar) as bench:
-        report = _look(plan, known, bench, history)
+        report = run(plan, known, bench, history, flags.as_typed())
         try:
             new = accepted(report, reason or "")
         except (NotAcceptedError, InputError) as error:
@@ -170,24 +164,6 @@ def _asked(
         raise InputError("baseline", text, expected)
     names = None if models is None else split("models", models)
     return standard(cases, names, quick=quick), folder, known
-
-
-def _look(plan: "Plan", known: "Figures | None", bench: "Bench", history: Path | None) -> "Report":
-    """Solve and compare; this run is in the history that its seconds are compared with."""
-    from harness.gate.gate import look
-    from harness.gate.plan import solve
-    from harness.history.provenance import provenance
-    from harness.history.store import append
-
-    began, command = perf_counter(), flags.as_typed()
-    time = datetime.now(UTC).isoformat(timespec="seconds")
-    about = {"command": command, "time": time, **provenance()}
-    checked = solve(plan, bench)
-    if history is not None:
-        append(history, checked.rows, command)
-    report = look(checked, known, about, history)
-    seconds = round(perf_counter() - began, 1)
-    return replace(report, about={**about, "seconds": seconds})
 
 
 def _display(report: "Report") -> None:

@@ -70,9 +70,9 @@ def turned_axes(angle: float) -> Change:
             for limb in case.mechanism.limbs
         )
         body = case.mechanism.platform
-        inertia, (x, y, z) = R @ np.array(body.inertia) @ R.T, (R @ np.array(body.centre)).tolist()
-        first, second, third = (tuple(row) for row in ((inertia + inertia.T) / 2).tolist())
-        platform = replace(body, inertia=(first, second, third), centre=(x, y, z))
+        inertia = R @ np.array(body.inertia) @ R.T
+        x, y, z = (tuple(row) for row in ((inertia + inertia.T) / 2).tolist())
+        platform = replace(body, inertia=(x, y, z), centre=tuple((R @ body.centre).tolist()))
         return posed(case, Mechanism(limbs, platform), turned(case.pose, angle))
 
     return change
@@ -137,9 +137,9 @@ def precision(model: Model, case: Case) -> Array:
 
     What the model declares; or, where it shows its matrices: every entry of K and M, in the
     coordinates that are solved for, is known to some roundings, so that |df / f| <= n eps
-    (|x|^T |K| |x| + omega^2 |x|^T |M| |x|) / (2 omega^2 x^T M x), with n the coordinates of a limb,
-    as many as a sum has terms. The eigen-solution of (M, K) adds eps of the largest eigenvalue,
-    which belongs to the lowest elastic mode: eps omega^2 / omega_1^2.
+    (|x|^T |K| |x| + omega^2 |x|^T |M| |x|) / (2 omega^2) for x^T M x = 1, with n the coordinates of
+    a limb, as many as a sum has terms. The eigen-solution of (M, K) adds eps of the largest
+    eigenvalue, which belongs to the lowest elastic mode: eps omega^2 / omega_1^2.
     """
     build = getattr(model, "build", None)
     built = model if build is None or model.info().isolated else build()
@@ -155,11 +155,10 @@ def precision(model: Model, case: Case) -> Array:
     values, x = scipy.linalg.eigh(K, M, subset_by_index=(0, MODES - 1))
     y = np.abs(x)
     entries = (y * (np.abs(K) @ y)).sum(axis=0) + values * (y * (np.abs(M) @ y)).sum(axis=0)
-    mass = (x * (M @ x)).sum(axis=0)
     eps, terms = np.finfo(float).eps, 6 * (model.elements + 1)
     lowest = values[values > eps**0.5 * values[-1]][0]
     with np.errstate(divide="ignore"):
-        known = np.abs(terms * eps * entries / (2 * values * mass))
+        known = np.abs(terms * eps * entries / (2 * values))
     return np.asarray(known + eps * np.abs(values) / lowest)
 
 
@@ -230,17 +229,14 @@ def _repeats(case: Case, angle: float) -> bool:
     rods = [limb.rod for limb in mechanism.limbs]
     size = max(np.abs(mechanism.bases).max(), np.abs(mechanism.platform_points).max())
 
-    def places(one: Mechanism) -> list[tuple[float, ...]]:
-        return [
-            (*limb.base, *limb.platform_point, *(size * np.array(limb.axis)),
-             size * rods.index(limb.rod))
-            for limb in one.limbs
-        ]  # fmt: skip
+    def places(one: Mechanism) -> Array:
+        kinds = np.array([[rods.index(limb.rod)] for limb in one.limbs])
+        return np.hstack([one.bases, one.platform_points, size * one.axes, size * kinds])
 
     apart = cdist(places(turned), places(mechanism), "chebyshev").min(axis=1)
-    inertia, again = np.array(mechanism.platform.inertia), np.array(turned.platform.inertia)
-    same = np.abs(again - inertia).max() <= 1e-9 * np.abs(inertia).max()
-    return bool(same and apart.max() <= 1e-9 * size)
+    inertia = np.array(mechanism.platform.inertia)
+    off = np.abs(turned.platform.inertia - inertia).max()
+    return bool(apart.max() <= 1e-9 * size and off <= 1e-9 * np.abs(inertia).max())
 
 
 def _twins(checked: Checked) -> Iterator[Seen]:

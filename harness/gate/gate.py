@@ -7,16 +7,17 @@ Accepting takes new values but never a wider tolerance, unless a reason is given
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from datetime import datetime
+from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from analytic import InputError, Modes
 from analytic.pairing import TRUSTED, pair
-from harness.bench import SPARE, label
+from harness.bench import SPARE, Bench, label
 from harness.gate.equivalents import EQUIVALENTS, noise, relative
 from harness.gate.figures import (
     BETTER,
@@ -36,10 +37,11 @@ from harness.gate.figures import (
     Source,
     condense,
 )  # fmt: skip
-from harness.gate.plan import MODES, NOT_ASKED, Checked, group
+from harness.gate.plan import MODES, NOT_ASKED, Checked, Plan, group, solve
 from harness.gate.properties import properties
 from harness.gate.report import Report
 from harness.gate.timing_watch import slower, timings
+from harness.history.provenance import provenance
 from harness.rows import GATE, mechanism_hash
 from harness.signatures import Array
 from harness.studies.refinement import MESHES, verify
@@ -62,6 +64,21 @@ NEVER = ("property", "failure")
 
 class NotAcceptedError(RuntimeError):
     """Why nothing was accepted."""
+
+
+def run(
+    plan: Plan, known: Figures | None, bench: Bench, history: Path | None, command: str
+) -> Report:
+    """Solve a plan and look; this run is in the `history` that its seconds are compared with."""
+    began, now = perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    about: dict[str, Any] = {"command": command, "time": now, **provenance()}
+    checked = solve(plan, bench)
+    if history is not None:
+        from harness.history.store import append
+
+        append(history, checked.rows, command)
+    report = look(checked, known, about, history)
+    return replace(report, about={**about, "seconds": round(perf_counter() - began, 1)})
 
 
 def look(

@@ -7,6 +7,7 @@ import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import chain
 from statistics import median
 from typing import Any
 
@@ -57,7 +58,7 @@ class Plan:
     @property
     def everywhere(self) -> tuple[Named, ...]:
         """Every model that is solved at the cases."""
-        return tuple(dict.fromkeys((*(m for rungs in self.ladders for m in rungs), *self.singles)))
+        return tuple(dict.fromkeys(chain(*self.ladders, self.singles)))
 
 
 @dataclass(frozen=True)

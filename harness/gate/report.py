@@ -195,8 +195,12 @@ def as_junit(report: Report) -> bytes:
     return f"<?xml version='1.0' encoding='utf-8'?>\n{text}\n".encode()
 
 
-FORMS = {"json": as_json, "markdown": as_markdown, "junit": as_junit}
-"""How a report is written, by the option that names its file."""
+FORMS = {
+    "json": ("check.json", as_json),
+    "markdown": ("check.md", as_markdown),
+    "junit": ("check.xml", as_junit),
+}
+"""How a report is written, and its usual file, by the option that names another."""
 
 
 def _line(one: Finding) -> str:
