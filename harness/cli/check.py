@@ -10,7 +10,7 @@ from analytic import InputError
 from harness.accepted import ACCEPTED, BASELINE
 from harness.cli import flags
 from harness.cli.flags import LATEST
-from harness.cli.terminal import Bar, show_tables
+from harness.cli.terminal import Bar, show_tables, wrote
 from harness.plain import plain
 
 if TYPE_CHECKING:
@@ -77,8 +77,7 @@ def check(
     if output is not None:
         write_all(output, renewed(output, history))
     _display(report)
-    for _, path in targets:
-        click.echo(f"wrote {path}")
+    wrote(path for _, path in targets)
     return 0 if report.passed else 1
 
 
@@ -187,6 +186,5 @@ def _compare(text: str, models: str | None, output: Path | None, limit: float) -
         table = compare(*both, chosen(None, None, PAPER_CASES), named, limit=limit, listener=bar)
     paths = [] if output is None else write_all(output, table.files("environments"))
     show_tables(table)
-    for path in paths:
-        click.echo(f"wrote {path}")
+    wrote(paths)
     return 0

@@ -192,10 +192,10 @@ def _equivalents(checked: Checked) -> Iterator[Seen]:
         for one, case in product(UNITS, cases[-1:] if model.info().slow else cases):
             changed = one.change(case)
             again = answer(checked.bench, model, changed) / one.factor
+            off = relative(again, solved(study, case, model))
             # Rounding depends on the units: the bound is that of the changed problem.
             bound = np.maximum(precision(model, case), precision(model, changed))
-            yield seen(one.name, model, "rounding", case,
-                       relative(again, solved(study, case, model)), bound)  # fmt: skip
+            yield seen(one.name, model, "rounding", case, off, bound)
 
 
 def _symmetry(checked: Checked) -> Iterator[Seen]:
@@ -213,8 +213,8 @@ def _symmetry(checked: Checked) -> Iterator[Seen]:
             first = groups.setdefault((case.pose.z, case.pose.tilt, turn), case)
             if first is not case:
                 off = relative(solved(study, case, model), solved(study, first, model))
-                yield seen(f"{step:g} deg symmetry", model, "rounding", case, off,
-                           precision(model, first))  # fmt: skip
+                bound = precision(model, first)
+                yield seen(f"{step:g} deg symmetry", model, "rounding", case, off, bound)
 
 
 def _repeats(case: Case, angle: float) -> bool:
@@ -243,11 +243,12 @@ def _twins(checked: Checked) -> Iterator[Seen]:
     """The same elements put together or solved in other ways."""
     study = checked.cases
     for one, other in TWINS:
+        name = f"{label(other)} = {label(one)}"
         if not {one.name, other.name} & checked.plan.skipped.keys():
             for case in study.complete(one):
                 off = relative(answer(checked.bench, other, case), solved(study, case, one))
-                yield seen(f"{label(other)} = {label(one)}", other, "rounding of both", case, off,
-                           rounding(case, one, other))  # fmt: skip
+                bound = rounding(case, one, other)
+                yield seen(name, other, "rounding of both", case, off, bound)
 
 
 def _batches(checked: Checked) -> Iterator[Seen]:
@@ -265,12 +266,12 @@ def _batches(checked: Checked) -> Iterator[Seen]:
         for case in study.complete(model)
     ]
     for where, of, model, cases, many in asked:
-        failed = np.full((len(cases), MODES), np.inf)
+        name, failed = f"many poses a call, {where}", np.full((len(cases), MODES), np.inf)
         for case, f in zip(cases, many.table if isinstance(many, Batch) else failed, strict=True):
             if (case, model) in of.answers:
                 off = np.nan_to_num(relative(f, solved(of, case, model)), nan=np.inf)
-                yield seen(f"many poses a call, {where}", model, "the batch solver's 1e-9", case,
-                           off, BATCH + rounding(case, model))  # fmt: skip
+                bound = BATCH + rounding(case, model)
+                yield seen(name, model, "the batch solver's 1e-9", case, off, bound)
 
 
 SAME_ANSWERS = (_equivalents, _symmetry, _twins, _batches)

@@ -106,10 +106,8 @@ def standard(
             # Of a slow model the meshes themselves are enough.
             both = None if info.slow else info.refinements
             extrapolated += [Named(name, both)] if both else []
-    more, mapped = (
-        tuple(model for model in models if model.name not in skipped)
-        for models in (GATE_MORE, GATE_MAP)
-    )
+    chosen = known.keys() - skipped.keys()
+    more, mapped = (tuple(m for m in some if m.name in chosen) for some in (GATE_MORE, GATE_MAP))
     singles = (*exact, *extrapolated, *more)
     plan = Plan(tuple(cases), tuple(ladders), singles, mapped, (), skipped,
                 asked=frozenset(names or ()))  # fmt: skip

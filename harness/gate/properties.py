@@ -101,8 +101,9 @@ def _limits(checked: Checked) -> Iterator[Seen]:
             f = np.array([m.frequencies[p] for m, p in zip(meshes, partners, strict=True)])
             value, band = _converged(ladder, f)
             slack = rounding(case, ladder[-1], limit)
-            yield seen("s -> infinity is exact", name, "the band of the finest mesh", case,
-                       relative(value, exact), band / scale + slack)  # fmt: skip
+            off, bound = relative(value, exact), band / scale + slack
+            told = "the band of the finest mesh"
+            yield seen("s -> infinity is exact", name, told, case, off, bound)
             if name in CONFORMING:
                 short = np.maximum(1 - f / scale, 0).max(axis=0) * (exact > 0)
                 yield seen("elements only stiffen", name, "rounding", case, short, slack)
@@ -147,9 +148,9 @@ def _assumptions(checked: Checked) -> Iterator[Seen]:
         for case in study.complete(model):
             low = answer(checked.bench, relaxed, case)
             if np.isfinite(low).all():
-                off = np.maximum(low / solved(study, case, model) - 1, 0)
-                yield seen(f"{info.assumption} only stiffens", model, "no excess", case, off,
-                           rounding(case, model))  # fmt: skip
+                off, bound = low / solved(study, case, model) - 1, rounding(case, model)
+                name = f"{info.assumption} only stiffens"
+                yield seen(name, model, "no excess", case, np.maximum(off, 0), bound)
 
 
 def _theories(checked: Checked) -> Iterator[Seen]:
@@ -159,9 +160,9 @@ def _theories(checked: Checked) -> Iterator[Seen]:
     chain = [exact[name] for name in THEORIES if name in exact]
     for stiff, soft in pairwise(chain):
         for case in study.complete(stiff, soft):
-            off = np.maximum(solved(study, case, soft) / solved(study, case, stiff) - 1, 0)
-            yield seen(f"{stiff.name} above {soft.name}", soft, "no excess", case, off,
-                       rounding(case, soft))  # fmt: skip
+            off = solved(study, case, soft) / solved(study, case, stiff) - 1
+            name, bound = f"{stiff.name} above {soft.name}", rounding(case, soft)
+            yield seen(name, soft, "no excess", case, np.maximum(off, 0), bound)
     if not {*THEORIES[-2:]} <= exact.keys():
         return
     without, sheared = chain[-2:]
@@ -173,8 +174,8 @@ def _theories(checked: Checked) -> Iterator[Seen]:
             kappa = Theory(sheared.name).shear_coefficient(case.mechanism.limbs[0].rod.material)
             # The effect falls in proportion to 1 / kappa, or faster.
             effect = 2 * (f / solved(study, case, sheared) - 1) * kappa / STIFF
-            yield seen(f"kappa -> infinity is {without.name}", sheared, "1/kappa", case, off,
-                       rounding(case, without) + effect)  # fmt: skip
+            name, bound = f"kappa -> infinity is {without.name}", rounding(case, without) + effect
+            yield seen(name, sheared, "1/kappa", case, off, bound)
 
 
 def _massless(checked: Checked) -> Iterator[Seen]:
@@ -184,10 +185,10 @@ def _massless(checked: Checked) -> Iterator[Seen]:
             springs, shares = _springs(theory, case)
             limbs = tuple(map(_light, case.mechanism.limbs))
             light = posed(case, replace(case.mechanism, limbs=limbs), case.pose)
+            off = relative(answer(checked.bench, model, light), springs)
             # By Rayleigh's quotient: a limb moves no more than its end.
             bound = precision(model, case) + LIGHT * shares / 2
-            yield seen("limbs without mass", model, "the mass left", case,
-                       relative(answer(checked.bench, model, light), springs), bound)  # fmt: skip
+            yield seen("limbs without mass", model, "the mass left", case, off, bound)
 
 
 def _light(limb: Limb) -> Limb:
