@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ RING = np.linspace(0, 2 * np.pi, 33)
 """Angles of the corners of a rod's and of the platform's rim [rad]."""
 
 
-@dataclass(frozen=True)
-class Span:
+class Span(NamedTuple):
     """A rod or link of a limb from `begin` to `end`, fractions of its line; its `radius` [m]."""
 
     limb: int
@@ -27,8 +27,7 @@ class Span:
     radius: float
 
 
-@dataclass(frozen=True)
-class Mark:
+class Mark(NamedTuple):
     """A joint or body of a limb: its `place`, a fraction of the line, its `kind` ("R", "U", "S",
     "P", "fixed", "joint", "body"), and how far `beside` the line it is (3,) [m].
     """

@@ -6,7 +6,7 @@ Roache's grid convergence index as Celik et al. report it (J. Fluids Eng. 130, 0
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,7 @@ ROUNDING = 1e-10
 """Relative steps below this are rounding; nothing can be read from them."""
 
 
-@dataclass(frozen=True)
-class Verification:
+class Verification(NamedTuple):
     """What three meshes say of one frequency.
 
     Attributes: `frequencies` on every mesh [Hz]; observed `order` p (NaN if it cannot be read);

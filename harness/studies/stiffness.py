@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,7 @@ ROUNDING = 1e-10
 """An entry below this part of its diagonals' mean is none: rounding, another on every machine."""
 
 
-@dataclass(frozen=True)
-class Map:
+class Map(NamedTuple):
     """The least stiffness of a case's mechanism to a force (n,) [N/m] and a moment [N m/rad].
 
     `plane`, if `poses` are those wanted of one.

@@ -116,6 +116,13 @@ def test_every_row_of_every_block_is_named(
         assert len(set(names[first : first + len(rows)])) == len(rows)
 
 
+def test_cases_stand_apart() -> None:
+    """An empty line before every other case, and none within one."""
+    table = Table("t", ("Case", "f"), [(name, Number(float(k))) for k, name in enumerate("aabbc")])
+    body = printed(table, 80).partition("\u2500 \n")[2].splitlines()
+    assert [line.strip()[:1] for line in body] == ["a", "a", "", "b", "b", "", "c", ""]
+
+
 def test_text_rounds_and_files_keep_more() -> None:
     assert "| case1  |       +1.23 | a & b  |" in TABLE.markdown()
     assert TABLE.markdown().startswith("## Title\n")
