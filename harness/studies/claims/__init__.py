@@ -28,17 +28,14 @@ from harness.studies.claims.facts import (
     checked,
 )
 from harness.tables import Table
+from harness.text import split
 from reference_models import UnavailableError
 
-
-def _only(text: str) -> list[str]:
-    from harness.text import split
-
-    return split("only", text)
-
-
 TAKES = ("case_file",)
-OPTIONS = (Option("only", "ID,ID", "Check these claims; default all.", None, _only),)
+OPTIONS = (
+    Option("only", "ID,ID", "Check these claims; default all.", None,
+           lambda text: split("only", text)),
+)  # fmt: skip
 KINDS = _, ONLY_IF, CANNOT, FAILS = (
     HOLDS, "holds only if", "cannot be reproduced as printed", "fails"
 )  # fmt: skip

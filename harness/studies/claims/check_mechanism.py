@@ -101,8 +101,8 @@ def eq18(facts: Facts, args: Args) -> Outcome:
 
 def _span(facts: Facts, suffix: str = "") -> tuple[float, float]:
     """Return the shortest and the longest limb over both cases [m]."""
-    low, high = zip(*(facts.lengths[case + suffix] for case in CASES), strict=True)
-    return min(low), max(high)
+    both = [facts.lengths[case + suffix] for case in CASES]
+    return np.min(both), np.max(both)
 
 
 def three_prs(facts: Facts, args: Args) -> Outcome:

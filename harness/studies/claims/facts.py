@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 
 from analytic import Limits, Pose, limbs_at, stiffness
-from harness.bench import Bench, Study
+from harness.bench import Bench, Study, label
 from harness.case import Case
 from harness.cases import PRESETS
 from harness.causes import THEORIES as NAMES
@@ -137,17 +137,18 @@ class Facts:
             figure3=paper.errors, cost=paper.cost, matrices=paper.toml("equations.toml"),
         )  # fmt: skip
 
-    def _sound(self, failures: Iterable[str]) -> None:
+    def _keep(self, rows: list[dict[str, Any]], failures: Iterable[str]) -> None:
+        self.solved += rows
         if reasons := "; ".join(dict.fromkeys(failures)):
             raise UnmeasuredError(reasons)
 
+    def _kept(self, study: Study) -> Study:
+        failures = (f"{label(model)}: {why}" for (_, model), why in study.failures.items())
+        self._keep(study.rows(), failures)
+        return study
+
     def _run(self, cases: Sequence[Case], models: Sequence[Named], count: int = MODES) -> Study:
         return self._kept(self.bench.run(cases, models, count))
-
-    def _kept(self, study: Study) -> Study:
-        self.solved += study.rows()
-        self._sound(f"{m.label}: {why}" for (_, m), why in study.failures.items())  # type: ignore[attr-defined]
-        return study
 
     def solved_for(self, case: Case, model: Named, count: int) -> Array:
         """Return the first frequencies of a model at a case [Hz], (count,)."""
@@ -208,17 +209,15 @@ class Facts:
         for case in self.cases:
             poses = Pose(self.scan_z, case.pose.azimuth, case.pose.tilt)
             answers = solve(PAPER, case.mechanism, poses, MODES, self.bench)
-            self._sound(answers.failures.values())
-            self.solved += answers.rows()
+            self._keep(answers.rows(), answers.failures.values())
             scan[case.name] = answers.frequencies
         return scan
 
     @cached_property
-    def lengths(self) -> dict[str, tuple[float, float]]:
-        """The shortest and the longest limb of every case and reading."""
-        known = {c.name: limbs_at(c.mechanism, c.pose).lengths
-                 for c in [*PRESETS.values(), *self.cases]}  # fmt: skip
-        return {name: (found.min(), found.max()) for name, found in known.items()}
+    def lengths(self) -> dict[str, Array]:
+        """The limbs' lengths of every case and reading."""
+        known = [*PRESETS.values(), *self.cases]
+        return {case.name: limbs_at(case.mechanism, case.pose).lengths for case in known}
 
     @cached_property
     def slender(self) -> Any:
@@ -252,10 +251,9 @@ class Facts:
         """Return what every model takes for the last case, all of them in turns."""
         case = self.cases[-1]
         timings = time_ways(self.bench, [Way(m) for m in models], [case], ROUNDS, MODES)
-        for one in timings.timed:
-            self.solved += timed_rows(one, [case], "claims")
-        reasons = timings.failures if len(timings.timed) == len(models) else timings.left_out
-        self._sound(f"{k}: {why}" for k, why in (reasons | timings.failures).items())
+        rows = [row for one in timings.timed for row in timed_rows(one, [case], "claims")]
+        missing = timings.left_out if len(timings.timed) < len(models) else {}
+        self._keep(rows, (f"{k}: {why}" for k, why in (missing | timings.failures).items()))
         return list(timings.timed)
 
     @cached_property
@@ -296,8 +294,7 @@ class Facts:
         mechanism, limits, volumes = self.cases[0].mechanism, Limits(), {}
         limbs = len(mechanism.limbs)
         data = whole(Region.of(mechanism, limits), PAPER, 3, self.bench)
-        self._sound(data.answers.failures.values())
-        self.solved += data.answers.rows()
+        self._keep(data.answers.rows(), data.answers.failures.values())
         change, _ = rises(data)
         for angle in LIMIT_ANGLES:
             most = np.radians(angle).item()

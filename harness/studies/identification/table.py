@@ -121,12 +121,12 @@ def _lines(path: Path) -> list[list[str]]:
     """Return the lines of a CSV file, each with one value a column."""
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [[cell.strip() for cell in line] for line in csv.reader(file, strict=True)]
+            lines = csv.reader(file, strict=True)
+            rows = [[cell.strip() for cell in line] for line in lines if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         expected = f"'published' or a readable CSV ({reason})"
         raise InputError("table", str(path), expected) from None
-    rows = [row for row in rows if row]
     if len(rows) < 2:
         raise InputError("table", str(path), COLUMNS)
     for name in rows[0]:
