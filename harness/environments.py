@@ -110,9 +110,12 @@ def _rows(model: Named, case: Case, was: Modes, now: Modes) -> Iterator[Row]:
 
 
 def _solve(
-    requirement: str, cases: Sequence[Case], models: Sequence[Named], limit: float,
+    requirement: str,
+    cases: Sequence[Case],
+    models: Sequence[Named],
+    limit: float,
     tell: Listener,
-) -> Answers:  # fmt: skip
+) -> Answers:
     found: Answers = {}
     with closing(Children(_launcher(requirement))) as children:
         for model in models:

@@ -26,8 +26,9 @@ def study_command(name: str) -> click.Command:
         asked, stem = request(module, texts), getattr(module, "STEM", name)
         asks = {stem: asked}
         if getattr(module, "EACH_REFERENCE", False) and len(asked.references) > 1:
-            asks = {f"{stem}-{one.label}": asked.with_(references=(one,))
-                    for one in asked.references}  # fmt: skip
+            asks = {
+                f"{stem}-{one.label}": asked.with_(references=(one,)) for one in asked.references
+            }
         with Bar() as bar, Bench(time_limit, bar) as bench:
             results = {stem: module.run(one, bench) for stem, one in asks.items()}
         written = finish(results, output, history)
@@ -39,10 +40,12 @@ def study_command(name: str) -> click.Command:
         flags.output(getattr(module, "OUTPUT", None)),
         flags.history(),
         flags.time_limit(),
-        *(flags.option(own.name, own.metavar, own.help)
-          for own in reversed(getattr(module, "OPTIONS", ()))),
+        *(
+            flags.option(own.name, own.metavar, own.help)
+            for own in reversed(getattr(module, "OPTIONS", ()))
+        ),
         flags.standard(*getattr(module, "TAKES", STANDARD)),
-    ):  # fmt: skip
+    ):
         made = option(made)
     _, _, rest = (module.run.__doc__ or "").partition("\n\n")
     return click.command(name, help="\n\n".join(filter(None, [entry.help, rest])))(made)

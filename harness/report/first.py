@@ -42,7 +42,7 @@ def first(run: Material) -> Section:
     """Return the section; the gate's answer, `gate`, is put in when the page is made."""
     cases = run.plan.cases
     table = run.one(TableOne)
-    papers = [vars(case.paper) for case in cases if case.paper and case.published]
+    paper = next((case.paper for case in cases if case.paper and case.published), None)
     ours = any(case.prints_errors for case in cases)
     names = ", ".join(case.name for case in cases)
     what = "A published model of the 3-RPS manipulator" if ours else f"{names}: natural frequencies"
@@ -53,7 +53,7 @@ def first(run: Material) -> Section:
         rest = b64encode(picture(rest_figure(cases[0]), "png")).decode()
     counts = Counter(one["kind"] for one in verdicts(run))
     context = {
-        "paper": {name: papers[0][name] for name in CITED} if papers else None,
+        "paper": {name: getattr(paper, name) for name in CITED} if paper else None,
         "heading": f"{what}, checked against independent simulators",
         "finding": _finding(table) if table else [],
         "answers": _answers(run, table if ours else None),

@@ -60,9 +60,13 @@ def section(recorded: Recorded) -> Section:
         "yardstick": _milliseconds([seconds.get(row["run"]) for row in runs]),
     }
     context = {
-        "cards": sorted(cards, key=lambda card: -card["place"])[:CARDS], "moved": len(cards),
-        "card": CARD, "all_series": len(groups), "recorded": recorded, "newest": NEWEST,
-    }  # fmt: skip
+        "cards": sorted(cards, key=lambda card: -card["place"])[:CARDS],
+        "moved": len(cards),
+        "card": CARD,
+        "all_series": len(groups),
+        "recorded": recorded,
+        "newest": NEWEST,
+    }
     return Section(context, data if series else None)
 
 

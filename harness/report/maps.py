@@ -1,5 +1,6 @@
 """The workspace: maps of every mode, one model against another, and what changed since."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from harness.report.ledger import Fields, Ledger, environment, in_words, variant
 from harness.report.material import Material
-from harness.report.recorded import Recorded, Rows
+from harness.report.recorded import Recorded
 from harness.report.section import Json, Section, digits, shown
 from harness.rows import GATE, MAP
 from harness.studies.workspace import PlaneMap
@@ -27,39 +28,33 @@ def own(run: Material) -> Json | None:
     part = run.part("workspace")
     if not (part.results or part.why):
         return None
-    command = run.only("workspace")
-    found: dict[tuple[str, str], Rows] = {}
-    for result in part.results.values():
-        for row in result.rows():
-            if row["case"] == MAP:
-                found.setdefault((row["model"], row["settings"]), []).append(row)
+    results, found = part.results.values(), defaultdict(list)
+    for row in (row for result in results for row in result.rows() if row["case"] == MAP):
+        found[row["model"], row["settings"]].append(row)
     maps, left = [], []
     for (model, _), rows in found.items():
         if len(rows) > MOST:
             left.append(f"{model}, {len(rows):,} frequencies")
             continue
-        fields = {**_about(rows[0]), "Command": command}
+        fields = {**_about(rows[0]), "Command": run.only("workspace")}
         maps.append({
-            "mechanism": rows[0]["mechanism"],
-            "model": model,
-            "version": rows[0]["version"],
+            **{name: rows[0][name] for name in ("mechanism", "model")},
             "record": run.note(f"{model} over the workspace", fields),
             "rows": digits([[row[name] for name in COLUMNS] for row in rows], KEPT),
         })  # fmt: skip
-    results = part.results.values()
-    planes = [one for one in results if isinstance(one, PlaneMap)]
+    tables = [one.tables().values() for one in results if isinstance(one, PlaneMap)]
     return {
-        "maps": maps, "left": left,
+        "maps": maps,
+        "left": left,
         "sentences": [line for result in results for line in result.sentences()],
-        "tables": [shown(one) for result in planes for one in result.tables().values()],
-    }  # fmt: skip
+        "tables": [shown(one) for some in tables for one in some],
+    }
 
 
 def _about(row: Mapping[str, Any]) -> Fields:
     names = ("model", "theory", "version", "settings", "mechanism")
-    return {name.capitalize(): row[name] for name in names} | {
-        "Settings": in_words(row["settings"])
-    }
+    said = {name.capitalize(): row[name] for name in names}
+    return {**said, "Settings": in_words(row["settings"])}
 
 
 def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str) -> Section:
@@ -85,8 +80,16 @@ def section(kept: Json | None, recorded: Recorded, ledger: Ledger, command: str)
         record = ledger.add(f"{model} over the workspace", fields)
         when = f"{run['time']:%Y-%m-%d %H:%M:%S}, {run['commit'][:7]}"
         answer = folded[row["answer"]]
-        maps.append({**row, "kind": row["case"], "when": when, "model": model, "record": record,
-                     "answer": answer})  # fmt: skip
+        maps.append(
+            {
+                **row,
+                "kind": row["case"],
+                "when": when,
+                "model": model,
+                "record": record,
+                "answer": answer,
+            }
+        )
     sets = _sets(maps, left)
     if not sets and not kept["tables"]:
         return Section(missing=f"`{command} --only workspace` makes this section")
@@ -112,7 +115,7 @@ def _sets(maps: Sequence[Json], left: Mapping[str, list[str]]) -> list[Json]:
     """Return what can be compared: maps of a mechanism over the same poses, the newest first.
 
     A map: `kind`, of a map or of the gate; `mechanism`, its hash; `run`; `when` it was, in words;
-    `model`; `version` of its program; `record`, where it comes from; `answer`. Equal answers are
+    `model`; `record`, where it comes from; `answer`. Equal answers are
     kept once.
     """
     groups: dict[tuple[Any, ...], list[Json]] = {}
@@ -139,11 +142,14 @@ def _sets(maps: Sequence[Json], left: Mapping[str, list[str]]) -> list[Json]:
             grids += [] if same else [grid]
             told = alone or kind == GATE or one["run"] == OWN
             heading = one["when"] if told else f"{one['when']}, {one['model']}"
-            about = {"values": place, "version": one["version"], "record": one["record"]}
+            about = {"values": place, "record": one["record"]}
             run = runs.setdefault(one["run"], {"name": heading, "models": {}})
             run["models"][one["model"]] = about
         sets[name] = {
-            "name": name, "note": note if none else "", "poses": poses,
-            "runs": list(runs.values()), "values": digits(grids),
-        }  # fmt: skip
+            "name": name,
+            "note": note if none else "",
+            "poses": poses,
+            "runs": list(runs.values()),
+            "values": digits(grids),
+        }
     return list(sets.values())

@@ -157,9 +157,12 @@ def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
 def _html(sections: Sequence[Section], ledger: Ledger) -> str:
     loader = PackageLoader("harness.report")
     environment = Environment(
-        loader=loader, autoescape=True, trim_blocks=True, lstrip_blocks=True,
+        loader=loader,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
         undefined=StrictUndefined,
-    )  # fmt: skip
+    )
     environment.filters |= {
         "pairs": lambda names: [(name, name) for name in names],
         "numbered": lambda names: list(enumerate(names)),

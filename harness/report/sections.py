@@ -51,11 +51,14 @@ MODELS = {
 def verdicts(run: Material) -> list[Json]:
     """Return the claims of the run: columns of `CLAIM` and the id, and the `kind` of verdict."""
     return [
-        {"id": row["id"], **{name: row[name] for name in CLAIM.values()},
-         "kind": next(kind for kind in VERDICTS if row["verdict"].startswith(kind))}
+        {
+            "id": row["id"],
+            **{name: row[name] for name in CLAIM.values()},
+            "kind": next(kind for kind in VERDICTS if row["verdict"].startswith(kind)),
+        }
         for result in run.part("claims").results.values()
         for row in result.to_frame().to_dict("records")
-    ]  # fmt: skip
+    ]
 
 
 def claims(run: Material) -> Section | None:
@@ -136,8 +139,12 @@ def _rows(run: Material, table: TableOne, case: Case) -> Iterator[Json]:
                 hertz, errors(found.error, what, made, record, own, marks=marks), strict=True
             )
             against = table.study.answers[case, reference]
-            yield row(other, f"{against.theory}; {against.version}", "reference",
-                      [{"value": value, "error": error} for value, error in pairs])  # fmt: skip
+            yield row(
+                other,
+                f"{against.theory}; {against.version}",
+                "reference",
+                [{"value": value, "error": error} for value, error in pairs],
+            )
 
 
 def fig3(run: Material) -> Section | None:
@@ -150,9 +157,11 @@ def fig3(run: Material) -> Section | None:
     if not cases:
         return Section(missing="no model has an answer")
     data = {
-        "elements": list(run.plan.elements), "modes": list(run.plan.shown), "cases": cases,
+        "elements": list(run.plan.elements),
+        "modes": list(run.plan.shown),
+        "cases": cases,
         "command": run.only("convergence,table"),
-    }  # fmt: skip
+    }
     return Section({"sentences": [line for result in found for line in result.sentences()]}, data)
 
 
@@ -185,7 +194,7 @@ def _curves(run: Material, case: Case) -> Json:
         own = None if modes.uncertainty is None else 100 * modes.uncertainty / modes.frequencies
         described[label(one)] = {
             "theory": modes.theory,
-            "uncertainty": None if own is None else digits([own[i - 1] for i in run.plan.shown], 4),
+            "uncertainty": None if own is None else digits(at(own, run.plan.shown), 4),
             "record": run.record(case, one),
         }
     quoted = case.paper.errors.items() if case.paper else ()
@@ -212,7 +221,7 @@ def budget(run: Material) -> Section | None:
 
 
 def _budget(run: Material, one: Budget) -> Json:
-    pick, cases = [i - 1 for i in one.shown], {}
+    cases = {}
     for case, shares in one.shares.items():
         records = []
         for s in one.elements:
@@ -228,9 +237,9 @@ def _budget(run: Material, one: Budget) -> Json:
                 for part in (*one.parts, "total error")
             ])  # fmt: skip
         cases[case.name] = {
-            "shares": digits(shares[:, :, pick], 8),
-            "total": digits(shares.sum(axis=1)[:, pick], 8),
-            "band": digits(one.band(case, one.reference)[pick], 4),
+            "shares": digits(at(shares, one.shown), 8),
+            "total": digits(at(shares.sum(axis=1), one.shown), 8),
+            "band": digits(at(one.band(case, one.reference), one.shown), 4),
             "records": records,
         }
     return {
@@ -269,7 +278,7 @@ def _point(run: Material, found: WorkPrecision, point: Point) -> Json:
     }
     worst = [[point.worst(kind, modes) for modes in GROUPS.values()] for kind in found.kinds]
     return {
-        "method": point.method, "size": point.size, "theory": info.theory, "many": point.poses > 1,
+        "method": point.method, "size": point.size, "theory": info.theory,
         "ms": digits(1e3 * point.seconds, 4), "errors": digits(worst, 5),
         "record": run.note(f"{point.method}, elements {point.size}", fields),
     }  # fmt: skip
@@ -279,11 +288,8 @@ def shapes(run: Material) -> Section | None:
     """Return modes that turn and move: of the theory, its exact limits, and every reference."""
     data = {}
     for case in run.plan.cases:
-        families = list(run.families(case).values())
-        # The theory with each number of elements, references, exact theories.
-        wanted = dict.fromkeys([
-            run.plan.theory, *run.references(case), *(families[0].values() if families else ()),
-        ])  # fmt: skip
+        meshes = next(iter(run.families(case).values()), {})
+        wanted = dict.fromkeys([run.plan.theory, *run.references(case), *meshes.values()])
         models = [model for model in wanted if (case, model) in run.answers]
         if models:
             there = drawn(case.mechanism, case.pose)
@@ -343,10 +349,19 @@ def provenance(run: Material) -> Section | None:
             own = modes.uncertainty
             percent = "" if own is None else f"{100 * own[0] / modes.frequencies[0]:.2g}"
             known = number(name, "", f"{name} at {case.name}", run.record(case, model))
-            said = {**answer(mode_rows(case, name, "", modes, 1)), "Case": case.name,
-                    "Model": known, "Uncertainty of f1 [%]": percent}  # fmt: skip
+            said = {
+                **answer(mode_rows(case, name, "", modes, 1)),
+                "Case": case.name,
+                "Model": known,
+                "Uncertainty of f1 [%]": percent,
+            }
             rows.append([said[column] for column in MODELS])
     title = "Every model of the run; uncertainty is the numerical one, by extrapolation"
-    table = {"title": title, "columns": [*MODELS], "numeric": [*MODELS.values()], "rows": rows,
-             "notes": []}  # fmt: skip
+    table = {
+        "title": title,
+        "columns": [*MODELS],
+        "numeric": [*MODELS.values()],
+        "rows": rows,
+        "notes": [],
+    }
     return Section({"table": table, "failures": [f"{what}: {why}" for what, why in left.items()]})
