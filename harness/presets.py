@@ -63,5 +63,4 @@ def solid_truth(names: Iterable[str] = SOLIDS) -> Named | None:
 
 def in_usual_order(names: Iterable[str]) -> list[str]:
     """Return names of models as tables list them: the usual ones first, then others by name."""
-    place = {name: k for k, name in enumerate(USUAL)}
-    return sorted(names, key=lambda name: (place.get(name, len(place)), name))
+    return sorted(names, key=lambda name: (name not in USUAL, (*USUAL, name).index(name), name))

@@ -119,11 +119,14 @@ def gate(check: dict[str, Any] | None) -> Json | None:
     if check is None:
         return None
     findings = [one for one in check.get("findings", []) if isinstance(one, dict)]
-    texts = [{name: _short(one.get(name)) for name in SHOWN} for one in findings]
-    names = [name for name in SHOWN if any(text[name] for text in texts)]
+    names = [n for n in SHOWN if any(one.get(n) not in (None, "") for one in findings)]
     status = str(check.get("status", "not said"))
-    rows = tuple(tuple(text[name] for name in names) for text in texts)
-    table = Table("Findings of the gate against what was accepted", tuple(names), rows)
+    cells = [[one.get(name, "") for name in names] for one in findings]
+    rows = [
+        tuple(f"{c:.9g}" if isinstance(c, float) else "" if c is None else str(c) for c in row)
+        for row in cells
+    ]
+    table = Table("Findings of the gate against what was accepted", names, rows)
     return {
         "status": status,
         "good": status == "passed",
@@ -131,12 +134,6 @@ def gate(check: dict[str, Any] | None) -> Json | None:
         "time": str(check.get("time", ""))[:16].replace("T", " "),
         "table": shown(table) if findings else None,
     }
-
-
-def _short(value: Any) -> str:
-    if value is None:
-        return ""
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
 def _fig3(found: Convergence) -> Json:

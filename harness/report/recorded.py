@@ -98,9 +98,10 @@ def read_recorded(folder: Path | None, room: int = MOST_NUMBERS) -> Recorded:
 
 def _answers(store: History, maps: Rows, room: int) -> dict[str, Rows]:
     """Return the rows of the newest different answers, of one kind of map as of the other."""
-    once = {one["answer"]: one["map"] for one in maps[::-1]}
-    first = [one for one in maps if once[one["answer"]] == one["map"]]
-    kinds = [[one for one in first if one["case"] == kind] for kind in MAPS]
+    first: dict[str, Any] = {}
+    for one in maps:
+        first.setdefault(one["answer"], one)
+    kinds = [[one for one in first.values() if one["case"] == kind] for kind in MAPS]
     kept = []
     for one in chain.from_iterable(zip_longest(*kinds)):
         if one and one["numbers"] <= room:
