@@ -215,6 +215,20 @@ def test_recorded_maps_stand_beside_the_runs_own(made: Any) -> None:
     assert (second / first).max() == pytest.approx(1 + 1e-5, rel=1e-9)
 
 
+def test_a_pose_stated_otherwise_is_the_same_pose() -> None:
+    """A tilt below zero lies on the other side; a level platform has no azimuth."""
+    steep, level = np.radians([30, 5]).tolist(), [0.3, 0.0]
+    other = np.radians([210, -5]).tolist()
+    first = [[0.4, *steep, 1, 100.0], [0.4, *level, 1, 90.0]]
+    second = [[0.4, 0.0, 0.0, 1, 91.0], [0.4, *other, 1, 101.0]]
+    about = {"mechanism": "m", "record": 0}
+    own = [about | {"model": f"m@{k}", "rows": rows} for k, rows in enumerate((first, second))]
+    kept = {"maps": own, "left": [], "sentences": [], "tables": []}
+    (one,) = maps.section(kept, Recorded(), Ledger(), "").data
+    assert one["poses"] == [(400.0, 0.0, 0.0), (400.0, 30.0, 5.0)]
+    assert one["values"] == [[[90.0, 100.0]], [[91.0, 101.0]]]
+
+
 def test_a_row_of_heights_is_no_map(made: Any) -> None:
     recorded = read_recorded(made.history)
     (claims,) = [row["run"] for row in recorded.runs if row["command"] == "rps-bench claims"]
