@@ -46,7 +46,7 @@ def uv(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_one_model_less_costs_only_itself(uv: Path) -> None:
     """Equal environments give equal numbers; what runs in one only says so."""
     models = [Named("exudyn-cable", 2), Named("exudyn-cable", 2, (("odd", 1),))]
-    found = compare("rich==1", "poor==1", CASES, models, 2)
+    found = compare("rich==1", "poor==1", CASES, models)
     assert {row[0] for row in found.rows} == {"exudyn-cable@2"}
     assert {str(row[5]) for row in found.rows} == {"+0.000000"}
     rich, poor = (note for note in found.notes if note.startswith("exudyn-cable@2[odd=1] runs"))
@@ -105,7 +105,7 @@ def test_the_command(rps_bench: Callable[..., Any], uv: Path, tmp_path: Path) ->
 def test_two_releases_of_mujoco() -> None:
     """The chain is the same in both; the cable is another element, and that is said."""
     models = [Named("mujoco-cable", 16), Named("mujoco-chain", 16)]
-    found = compare("mujoco==3.17.0", "mujoco==4.0.0", [PRESETS["case2"]], models, 3)
+    found = compare("mujoco==3.17.0", "mujoco==4.0.0", [PRESETS["case2"]], models)
     off = {(row[0], row[2]): getattr(row[5], "value", row[5]) for row in found.rows}
     assert all(abs(off["mujoco-chain@16", i]) < 1e-7 for i in (1, 2, 3))
     # 3.17's composite is inextensible and first order, 5 % high at 16 elements; 4.0's rod is not.
