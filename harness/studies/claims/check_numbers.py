@@ -15,6 +15,7 @@ from harness.signatures import Array
 from harness.studies.claims.facts import (
     CASES,
     EXACT,
+    HEIGHTS,
     PAPER,
     RULES,
     STEPS,
@@ -237,7 +238,7 @@ def _causes(facts: Facts, case: str, model: Named, i: int) -> str:
 
 def one_height(facts: Facts, args: Args) -> Outcome:
     """Is there one height at which the printed mechanism gives both printed rows?"""
-    z, worst = facts.scan_z, {}
+    z, worst = HEIGHTS, {}
     for case, scan in facts.scan.items():
         off = relative_error(scan, facts.printed.table[case, THEORETICAL])
         worst[f"{case} is nearest"] = np.abs(off).max(1)

@@ -49,8 +49,8 @@ MODES = 6
 ROUNDS = 11
 THINNEST = 0.02
 LIMIT_ANGLES = (30.0, 45.0, 60.0)
-HEIGHTS = 801
-"""Heights of the scan for one that gives both rows of Table I."""
+HEIGHTS = np.linspace(Limits().length_min, Limits().length_max, 801)
+"""The printed stroke, o as high as a limb's end, for one that gives both rows of Table I."""
 
 
 def checked() -> Paper:
@@ -100,12 +100,9 @@ class Spent:
 
     def over(self, other: "Spent") -> tuple[Array, Array, float]:
         """Return ratios to another: of seconds and of solves, call by call, and of work."""
-        calls = -min(len(self.seconds), len(other.seconds))
-        seconds, solves = (
-            getattr(self, name)[calls:] / getattr(other, name)[calls:]
-            for name in ("seconds", "solves")
-        )
-        return seconds, solves, self.work / other.work
+        last = slice(-min(len(self.seconds), len(other.seconds)), None)
+        seconds = self.seconds[last] / other.seconds[last]
+        return seconds, self.solves[last] / other.solves[last], self.work / other.work
 
 
 class Facts:
@@ -198,16 +195,11 @@ class Facts:
         return hertz
 
     @cached_property
-    def scan_z(self) -> Array:
-        """Heights over the printed stroke, level: o is as high as a limb's end, (n,)."""
-        return np.linspace(Limits().length_min, Limits().length_max, HEIGHTS)
-
-    @cached_property
     def scan(self) -> dict[str, Array]:
-        """The paper's model over `scan_z` at each case's angles, (n, 6) [Hz]."""
+        """The paper's model over `HEIGHTS` at each case's angles, (n, 6) [Hz]."""
         scan = {}
         for case in self.cases:
-            poses = Pose(self.scan_z, case.pose.azimuth, case.pose.tilt)
+            poses = Pose(HEIGHTS, case.pose.azimuth, case.pose.tilt)
             answers = solve(PAPER, case.mechanism, poses, MODES, self.bench)
             self._keep(answers.rows(), answers.failures.values())
             scan[case.name] = answers.frequencies

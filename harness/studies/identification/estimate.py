@@ -95,9 +95,10 @@ class Direction(NamedTuple):
     deviation: float
 
     def __str__(self) -> str:
-        shown = [(letter(n), e) for n, e in self.exponents.items() if abs(e) >= 0.1]
-        shown.sort(key=lambda pair: -round(abs(pair[1]), 4))  # equal ones stay in their order
-        return " ".join(f"{letter}^{e:.2g}" if round(e, 2) != 1 else letter for letter, e in shown)
+        # Equal ones stay in their order.
+        ordered = sorted(self.exponents.items(), key=lambda pair: -round(abs(pair[1]), 4))
+        shown = ((letter(name), e) for name, e in ordered if abs(e) >= 0.1)
+        return " ".join(own if round(e, 2) == 1 else f"{own}^{e:.2g}" for own, e in shown)
 
 
 @dataclass(frozen=True)
@@ -247,7 +248,7 @@ def sensitivities(
 def directions(names: Sequence[str], J: Array, noise: float) -> list[Direction]:
     """Return the products of powers that J (values, names) tells apart, best known first."""
     _, s, rows = np.linalg.svd(J, full_matrices=True)
-    s = np.concatenate([s, np.zeros(len(rows) - len(s))])
+    s = np.append(s, np.zeros(len(rows) - len(s)))
     nothing = s <= UNSEEN * s[0]
     if nothing.any():
         # Any mixture is unseen as well: take those that share as few parameters as can be.

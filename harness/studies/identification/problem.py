@@ -77,7 +77,8 @@ def split(name: str) -> tuple[str, str]:
 
 def letter(name: str) -> str:
     """Return what a parameter is called in a product of powers."""
-    return LETTERS.get(split(name)[0], split(name)[0])
+    own, _ = split(name)
+    return LETTERS.get(own, own)
 
 
 def parameters(case: Case) -> dict[str, Parameter]:

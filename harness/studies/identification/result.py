@@ -33,7 +33,7 @@ VERDICTS = {0.05: "pins it down", LOOSE: "knows it loosely", np.inf: "leaves it 
 """What is said of a deviation below each of these."""
 IDENTIFIED = "identified"
 """The case in a row: a fitted mechanism is not that of the table's case, which is in `settings`."""
-BASE, PLATFORM = "base_radius_mm", "platform_radius_mm"
+BASE = "base_radius_mm"
 PERCENT = f"{100 * LEVEL:.0f} %"
 
 
@@ -286,7 +286,7 @@ def _lean(stated: Fit, mirrored: Fit) -> list[str]:
     k = problem.names.index(BASE)
     words = [f"{one.values[k]:.0f} mm ({one.alone[k, 0]:.0f} to {one.alone[k, 1]:.0f})"
              for one in both]  # fmt: skip
-    radius = problem.known[0][PLATFORM].value
+    radius = problem.known[0]["platform_radius_mm"].value
     lean = "outwards" if stated.values[k] < radius else "inwards"
     # A fit below the rounding is as good as any other there.
     rms = [max(one.rms, table.rounding, 1e-150) for one in both]
