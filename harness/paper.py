@@ -203,27 +203,27 @@ class Paper:
         return tuple(one.frequency for one in some if one.method == method)
 
 
+def shipped() -> dict[str, Path]:
+    """Return the papers, each a folder, and the case files that come along, by name."""
+    papers = [path.parent for base in SHIPPED for path in base.glob(f"*/{CASES}")]
+    files = [path for base in SHIPPED for path in base.glob("*.toml")]
+    return {path.stem: path for path in (*papers, *files)[::-1]}
+
+
 def folder(text: str) -> Path | None:
     """Return the folder of a paper that `text` names: its path, or a name that is shipped."""
-    own = Path(text)
-    if own.is_dir():
-        return own
-    found = [base / text for base in SHIPPED if text and Path(text).name == text]
-    return next((one for one in found if (one / CASES).is_file()), None)
+    found = shipped().get(text) if not Path(text).is_dir() else Path(text)
+    return found if found is not None and found.is_dir() else None
 
 
 def case_file(path: Path) -> Path:
     """Return `path`, or the case file that comes along if it is the name of one, not a file."""
-    if path.exists() or path.name != str(path):
-        return path
-    found = [base / f"{path.name}.toml" for base in SHIPPED]
-    return next((one for one in found if one.is_file()), path)
+    return path if path.exists() else shipped().get(str(path), path)
 
 
 def names() -> list[str]:
     """Return the names of the papers and case files that come along."""
-    papers = {path.parent.name for base in SHIPPED for path in base.glob(f"*/{CASES}")}
-    return sorted(papers | {path.stem for base in SHIPPED for path in base.glob("*.toml")})
+    return sorted(shipped())
 
 
 def read_paper(path: Path, cases: list[str]) -> Paper:
