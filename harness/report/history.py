@@ -8,9 +8,8 @@ import numpy as np
 
 from harness.cases import PRESETS
 from harness.poses import COLUMNS, columns
-from harness.report.ledger import at, in_words, variant
 from harness.report.recorded import ABOUT_RUN, Recorded, Rows
-from harness.report.section import Json, Section, digits
+from harness.report.section import Json, Section, at, digits, in_words, variant
 from harness.rows import mechanism_hash
 
 YARDSTICK = "yardstick"

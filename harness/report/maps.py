@@ -8,10 +8,19 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.report.ledger import Fields, Ledger, environment, in_words, variant
 from harness.report.material import Material
 from harness.report.recorded import Recorded
-from harness.report.section import Json, Section, digits, shown
+from harness.report.section import (
+    Fields,
+    Json,
+    Ledger,
+    Section,
+    digits,
+    environment,
+    in_words,
+    shown,
+    variant,
+)
 from harness.rows import GATE, MAP
 from harness.studies.workspace import PlaneMap
 

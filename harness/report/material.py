@@ -11,7 +11,7 @@ from analytic import Modes
 from analytic.model import Model
 from harness.bench import SPARE, Study, label
 from harness.case import Case
-from harness.report.ledger import Fields, Ledger, answer, environment
+from harness.report.section import Fields, Ledger, answer, environment
 from harness.reproduce import Part
 from harness.request import Plan
 from harness.result import Result

@@ -19,10 +19,9 @@ from plotly.offline import get_plotlyjs
 
 from analytic import InputError, __version__
 from harness.report import first, history, maps, sections
-from harness.report.ledger import Ledger
 from harness.report.material import Material
 from harness.report.recorded import MOST_NUMBERS, read_recorded
-from harness.report.section import Json, Section
+from harness.report.section import Json, Ledger, Section
 from harness.reproduce import Part
 from harness.request import Plan
 from harness.studies import find

@@ -19,9 +19,9 @@ from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.history import store
 from harness.report import history, maps, recorded
-from harness.report.ledger import Ledger, variant
 from harness.report.page import content, load, load_check, page_files, render, renewed
 from harness.report.recorded import Recorded, read_recorded
+from harness.report.section import Ledger, variant
 from harness.report.sections import VERDICTS
 from harness.reproduce import Part
 from harness.request import Plan
