@@ -39,9 +39,7 @@ def _commit() -> str:
     own = {k: v for k, v in os.environ.items() if not k.startswith("GIT_")}  # a hook's are not ours
     command = ["git", "--no-optional-locks", "-C", str(ROOT), *describe]
     try:
-        ended = subprocess.run(
-            command, capture_output=True, text=True, check=False, timeout=10, env=own
-        )
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=10, env=own)
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return ended.stdout.strip() if ended.returncode == 0 else ""
@@ -64,10 +62,7 @@ def _system() -> str:
 
 def _blas() -> str:
     """Return what numpy and scipy were built with; wheels carry one each."""
-    built = {}
-    for library in (np, scipy):
-        found = library.show_config(mode="dicts")["Build Dependencies"]["blas"]
-        built[library.__name__] = f"{found['name']} {found['version']}"
-    if built["numpy"] == built["scipy"]:
-        return built["numpy"]
-    return ", ".join(f"{library}: {blas}" for library, blas in built.items())
+    asked = (library.show_config(mode="dicts") for library in (np, scipy))
+    found = [config["Build Dependencies"]["blas"] for config in asked]
+    first, second = (f"{blas['name']} {blas['version']}" for blas in found)
+    return first if first == second else f"numpy: {first}, scipy: {second}"

@@ -15,7 +15,7 @@ from glob import escape
 from hashlib import file_digest
 from pathlib import Path
 from stat import S_ISREG
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -119,26 +119,15 @@ def checksum(path: Path) -> str:
         return file_digest(file, "sha256").hexdigest()[:16]
 
 
-@dataclass(frozen=True)
-class RunFile:
-    """A sound file: which of `COLUMNS` it has, and what the system said of it when it was read."""
+class RunFile(NamedTuple):
+    """Of a sound file which of `COLUMNS` it has, and how it was when it was read."""
 
-    path: Path
     columns: frozenset[str]
-    stat: os.stat_result
+    state: tuple[int, int, int]
 
-    def changed(self) -> str | None:
-        """Return what has happened to the file since, or None."""
-        try:
-            now = self.path.stat()
-        except OSError as error:
-            return f"{self.path.name} cannot be read any more: {error.strerror}"
-        if all(
-            getattr(now, name) == getattr(self.stat, name)
-            for name in ("st_size", "st_mtime_ns", "st_ino")
-        ):
-            return None
-        return f"{self.path.name} was changed"
+
+def _state(found: os.stat_result) -> tuple[int, int, int]:
+    return found.st_size, found.st_mtime_ns, found.st_ino
 
 
 def read(base: "DuckDBPyConnection", path: Path) -> RunFile | str:
@@ -166,7 +155,7 @@ def read(base: "DuckDBPyConnection", path: Path) -> RunFile | str:
             return f"of another release: it has no column {name}"
         if types.get(name, kind) != kind:
             return f"of another release: its column {name} is {types[name]}, not {kind}"
-    return RunFile(path, frozenset(types) & frozenset(COLUMNS), found)
+    return RunFile(frozenset(types) & frozenset(COLUMNS), _state(found))
 
 
 @dataclass(frozen=True)
@@ -231,7 +220,7 @@ class History:
         self._folder = folder
         with connect() as base:
             found = {path: read(base, path) for path in sorted(folder.glob("*.parquet"))}
-        self._files = [file for file in found.values() if isinstance(file, RunFile)]
+        self._files = {path: file for path, file in found.items() if isinstance(file, RunFile)}
         self.skipped = [(path, why) for path, why in found.items() if isinstance(why, str)]
         self._base: DuckDBPyConnection | None = None
 
@@ -282,13 +271,13 @@ class History:
         import duckdb
 
         base = connect(streams=target is not None)
-        kinds = {file.columns for file in self._files}
+        kinds = {file.columns for file in self._files.values()}
         columns = ", ".join(
             named(name) if any(name in some for some in kinds) else f"NULL::{kind} AS {named(name)}"
             for name, kind in COLUMNS.items()
         )
         # A name with a pattern's letters is looked up as a pattern, and read as it is.
-        paths = [str(file.path) for file in self._files]
+        paths = [str(path) for path in self._files]
         sought = [escape(path) for path in paths]
         # Where all have the same columns the first one tells them.
         source = f"read_parquet([{listed(sought)}], union_by_name = {len(kinds) > 1})"
@@ -304,13 +293,16 @@ class History:
         return base
 
     def _stays(self) -> None:
-        for file in self._files:
-            if why := file.changed():
-                raise self._changed(why)
+        for path, file in self._files.items():
+            try:
+                if _state(path.stat()) != file.state:
+                    raise self._changed(f"{path.name} was changed")
+            except OSError as error:
+                why = f"{path.name} cannot be read any more: {error.strerror}"
+                raise self._changed(why) from None
 
     def _changed(self, why: str) -> InputError:
-        expected = f"files that stay while read ({why})"
-        return InputError("history", str(self._folder), expected)
+        return InputError("history", str(self._folder), f"files that stay while read ({why})")
 
 
 def open_history(folder: Path) -> History:

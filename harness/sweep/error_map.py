@@ -207,10 +207,7 @@ class ShapeCheck:
     def _modes(self, model: Model, count: int) -> Modes:
         wanted = count
         while True:
-            if model.info().isolated:
-                modes, _ = solved(model, self.mechanism, self.pose, wanted)
-            else:
-                modes = model.modes(self.mechanism, self.pose, wanted)
+            modes, _ = solved(model, self.mechanism, self.pose, wanted)
             if self.torsion or not beams_of(model):
                 return modes
             amplitude = np.abs(modes.limbs).max(axis=(1, 2, 3))

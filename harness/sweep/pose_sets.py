@@ -58,13 +58,7 @@ def pose_set(text: str, mechanism: Mechanism) -> Pose:
     if kind == "pose":
         poses = _one(text, rest)
     elif kind == "random":
-        count, seed, ranges = _drawn(text, rest)
-        low, high = np.array([*ranges.values()]).T
-        # A pose's numbers are drawn together: a longer set begins with the shorter one.
-        drawn = np.random.default_rng(seed).random((count, len(ranges)))
-        drawn *= high - low
-        drawn += low
-        poses = _scaled(dict(zip(ranges, drawn.T, strict=True)))
+        poses = _random(*_drawn(text, rest))
     elif kind == "grid":
         poses = _grid(text, rest)
     elif kind == "workspace":
@@ -104,6 +98,15 @@ def _one(text: str, rest: str) -> Pose:
         value = _float(text, plain, expected) * (scale if plain == part else 1.0)
         values[name] = np.array([value])
     return stated(values)
+
+
+def _random(count: int, seed: int, ranges: Mapping[str, tuple[float, float]]) -> Pose:
+    low, high = np.array([*ranges.values()]).T
+    # A pose's numbers are drawn together: a longer set begins with the shorter one.
+    drawn = np.random.default_rng(seed).random((count, len(ranges)))
+    drawn *= high - low
+    drawn += low
+    return _scaled(dict(zip(ranges, drawn.T, strict=True)))
 
 
 def _drawn(
