@@ -71,11 +71,6 @@ class Finding:
         """The one of `KINDS` that it is; raises `StopIteration` where it is none."""
         return next(k for k in (ONLY_IF, HOLDS, CANNOT, FAILS) if self.verdict.startswith(k))
 
-    def row(self) -> dict[str, str]:
-        """Return every field in words."""
-        every = vars(self.claim) | vars(self) | {"kind": self.kind}
-        return {name: every[name] for name in (*COLUMNS, "kind", "how", "erratum")}
-
 
 @dataclass(frozen=True)
 class Claims(Result):
@@ -91,7 +86,9 @@ class Claims(Result):
 
     def records(self) -> list[dict[str, str]]:
         """Return one row a claim: quoted, measured, the verdict, and how it was found."""
-        return [finding.row() for finding in self.found]
+        names = (*COLUMNS, "kind", "how", "erratum")
+        each = (vars(one.claim) | vars(one) | {"kind": one.kind} for one in self.found)
+        return [{name: every[name] for name in names} for every in each]
 
     def counts(self) -> dict[str, int]:
         """Return how many verdicts of each kind there are."""

@@ -49,11 +49,11 @@ def printed_position(r2: float, phi: Array, theta: Array) -> tuple[Array, Array]
     return r2 * (ct - 1) * np.cos(2 * phi) / 2, r2 * (1 - ct) * np.sin(2 * phi) / 2
 
 
-def random_poses(count: int) -> Pose:
-    """Return the same `count` poses every time: z 0.35-0.7 m, any azimuth, tilt to 20 degrees."""
-    random = np.random.default_rng(0)
-    z, azimuth = random.uniform(0.35, 0.7, count), random.uniform(-np.pi, np.pi, count)
-    return Pose(z, azimuth, np.radians(random.uniform(-20, 20, count)))
+def random_poses() -> Pose:
+    """Return the same `POSES` every time: z 0.35-0.7 m, any azimuth, tilt to 20 degrees."""
+    random, ends = np.random.default_rng(0), ((0.35, 0.7), (-np.pi, np.pi), (-20, 20))
+    z, azimuth, tilt = (random.uniform(low, high, POSES) for low, high in ends)
+    return Pose(z, azimuth, np.radians(tilt))
 
 
 def equations(
@@ -69,7 +69,7 @@ def equations(
     Put to the test are Eqs. (1) and (2), J_i of Eq. (10), and the plate of Eq. (8).
     """
     mechanism = cases[0].mechanism
-    poses = random_poses(POSES)
+    poses = random_poses()
     R = rotation(poses.azimuth, poses.tilt)
     r2 = np.linalg.norm(mechanism.platform_points[0]).item()
     x, y = position(r2, poses.azimuth, poses.tilt)
