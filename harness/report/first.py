@@ -14,8 +14,7 @@ import numpy as np
 from harness.bench import label
 from harness.drawing import drawn
 from harness.figures import COLOURS, own_style, picture
-from harness.report.material import Material
-from harness.report.section import Json, Section, shown
+from harness.report.section import Json, Material, Section, shown
 from harness.report.sections import VERDICTS, verdicts
 from harness.signatures import Figure
 from harness.studies.claims import verb

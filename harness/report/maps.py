@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from harness.report.material import Material
-from harness.report.recorded import Recorded
+from harness.report.history import Recorded
 from harness.report.section import (
     Fields,
     Json,
     Ledger,
+    Material,
     Section,
     digits,
     environment,

@@ -19,9 +19,7 @@ from plotly.offline import get_plotlyjs
 
 from analytic import InputError, __version__
 from harness.report import first, history, maps, sections
-from harness.report.material import Material
-from harness.report.recorded import MOST_NUMBERS, read_recorded
-from harness.report.section import Json, Ledger, Section
+from harness.report.section import Json, Ledger, Material, Section
 from harness.reproduce import Part
 from harness.request import Plan
 from harness.studies import find
@@ -141,7 +139,9 @@ def render(kept: Json, folder: Path | None, check: Json | None) -> bytes:
 def _rendered(kept: Json, folder: Path | None, check: Json | None) -> bytes:
     ledger = Ledger(kept["ledger"])
     own = kept["maps"]["maps"] if kept["maps"] else []
-    recorded = read_recorded(folder, MOST_NUMBERS - sum(len(one["rows"]) for one in own))
+    recorded = history.read_recorded(
+        folder, history.MOST_NUMBERS - sum(len(one["rows"]) for one in own)
+    )
     shown = {key: Section(**one) for key, one in kept["sections"].items()}
     top = shown["result"]
     shown["result"] = replace(top, context={**top.context, "gate": first.gate(check)})

@@ -15,8 +15,7 @@ from harness.case import Case
 from harness.compare import PERCENT, at, match, relative_error
 from harness.drawing import AMPLITUDE, drawn, scale
 from harness.paper import CHECKED, TABLE_ONE
-from harness.report.material import Material
-from harness.report.section import Json, Section, answer, digits, number, shown
+from harness.report.section import Json, Material, Section, answer, digits, number, shown
 from harness.rows import mode_rows
 from harness.studies.budget import ELEMENTS, Budget
 from harness.studies.claims import verb

@@ -18,9 +18,9 @@ from harness.bench import Bench
 from harness.case_file import load_cases
 from harness.cases import PRESETS
 from harness.history import store
-from harness.report import history, maps, recorded
+from harness.report import history, maps
+from harness.report.history import Recorded, read_recorded
 from harness.report.page import content, load, load_check, page_files, render, renewed
-from harness.report.recorded import Recorded, read_recorded
 from harness.report.section import Ledger, variant
 from harness.report.sections import VERDICTS
 from harness.reproduce import Part
@@ -249,7 +249,7 @@ def test_maps_that_find_no_room_are_counted_and_named(made: Any) -> None:
 
 def test_a_map_too_large_is_left_out_and_named(made: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maps, "MOST", 100)
-    from harness.report.material import Material
+    from harness.report.section import Material
 
     own = maps.own(Material(Plan((PRESETS["case1"],), Named("rayleigh", 3), ()), made.parts, "me"))
     assert own["maps"] == []
@@ -296,7 +296,7 @@ def test_of_too_many_series_the_newest_are_shown(
 def test_of_too_many_runs_the_newest_are_shown(
     made: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(recorded, "MOST_POINTS", 2)
+    monkeypatch.setattr(history, "MOST_POINTS", 2)
     row = {"case": "case1", "mode": 1, "model": "m@3"}
     for day in (1, 2, 3):
         time = datetime(2026, 1, day, tzinfo=UTC)
