@@ -28,16 +28,11 @@ def columns(pose: Pose) -> dict[str, Any]:
 
 def used(poses: Iterable[Pose]) -> tuple[str, ...]:
     """Return the columns that say something of any of some poses: without torsion that is 0."""
-    some = [*poses] or [Pose(0.0)]
-
-    def says(value: Any, name: str) -> bool:
-        return bool(np.any(value)) if name == "torsion" else value is not None
-
-    return tuple(
-        column
-        for column, name in COLUMNS.items()
-        if any(says(getattr(pose, name), name) for pose in some)
-    )
+    some = list(poses)
+    twisted = any(np.any(pose.torsion) for pose in some)
+    placed = any(pose.x is not None for pose in some)
+    z, azimuth, tilt, torsion, *across = COLUMNS
+    return (z, azimuth, tilt, *([torsion] if twisted else ()), *(across if placed else ()))
 
 
 def stated(values: Mapping[str, Any]) -> Pose:

@@ -34,7 +34,7 @@ Failures = dict[tuple[str, str], list[int]]
 """Numbers of the poses without an answer, by model and reason."""
 FAILURES_SHOWN = 3
 """Poses named for each reason of failure."""
-ONE_CORE_EACH = Patience()
+USUAL = Patience()
 OWN = re.compile(
     r"(frequencies|error-map)\.(parquet|csv|json)|(timing|errors|worst|failures)\.(csv|md|tex)"
 )
@@ -81,7 +81,7 @@ def solve(
     against: Model | str | None = None,
     cores: int | None = None,
     scheduler: str | None = None,
-    patience: Patience = ONE_CORE_EACH,
+    patience: Patience = USUAL,
 ) -> Swept:
     """Solve `poses` (arrays) by `models` into `folder`; what is there already is not solved again.
 
