@@ -25,5 +25,5 @@ def laid_out(
         plain: Cell = value
         return plain if digits is None or isinstance(value, str) else cell(value, digits)
 
-    cells = (tuple(map(shown, row, columns.values())) for row in rows)
-    return Table(title, tuple(columns), tuple(cells), tuple(notes))
+    cells = [tuple(map(shown, row, columns.values())) for row in rows]
+    return Table(title, list(columns), cells, list(notes))

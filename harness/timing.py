@@ -229,16 +229,16 @@ def time_ways(
         elif key not in stopped:
             # What the first call loads or compiles is no cost of the method.
             why = call(way) or call(way)
-            if why is not None and why.refused:
-                left_out[key] = why.reason
-            elif why is not None:
-                failures[f"{name} at {', '.join(c.name for c in cases)}"] = why.reason
-            else:
+            if why is None:
                 running.append(way)
                 if last(way) > (LONG_BATCH if batch else LONG):
                     stopped.add(key)
                     most, what = (way.poses, "call") if batch else (way.size, "pose")
                     left_out[key] = f"not beyond {most}: {last(way) / len(cases):.1f} s a {what}"
+            elif why.refused:
+                left_out[key] = why.reason
+            else:
+                failures[f"{name} at {', '.join(c.name for c in cases)}"] = why.reason
         bench.listener.done(f"{way.method}, {way.size}")
     for k in range(rounds):
         for name, (run, solutions) in (yardsticks or {}).items():

@@ -1,6 +1,6 @@
 """What nothing beats in two numbers at once: which ones, and how they are drawn."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -33,39 +33,44 @@ class Mark:
     curve: str = ""
 
 
-def draw_rest(axes: Axes, marks: Sequence[Mark]) -> None:
-    """Draw all marks faintly, those of a curve joined."""
-    for curve in dict.fromkeys(mark.curve for mark in marks):
-        own = sorted((mark.x, mark.y) for mark in marks if mark.curve == curve)
-        axes.plot(*zip(*own, strict=True), "o-" if curve else "o", color="0.82", ms=3, lw=0.8)
-
-
-def draw_front(
+def draw(
     axes: Axes,
-    front: Sequence[Mark],
-    colour: str,
+    marks: Sequence[Mark],
+    fronts: Mapping[str, Sequence[Mark]],
     *,
-    right: bool = False,
     rises: bool = False,
     thin: bool = False,
 ) -> None:
-    """Draw what nothing beats, joined, each way named at its last mark beside the curve.
+    """Draw all marks faintly, those of a curve joined, and `fronts` by colour, all log-log.
 
-    Names stand below the curve to their left, or above it to their `right`; the other way round
-    where it `rises`. Of close neighbours names stand under each other; `thin` leaves out those that
-    are hardly better than the last one named.
+    A front's marks are joined, and each way is named at its last one, beside the curve: below it to
+    the left, of a first of several fronts above it to the right; the other way round where it
+    `rises`. Of close neighbours names stand under each other; `thin` leaves out those that are
+    hardly better than the last one named.
     """
-    axes.plot([mark.x for mark in front], [mark.y for mark in front], "o-", color=colour, ms=5,
-              lw=1.4, drawstyle="steps-post" if thin else "default")  # fmt: skip
-    side, edge, up = "left" if right else "right", 6 if right else -6, right != rises
-    below, before = 0, None
-    for mark in {mark.name: mark for mark in front}.values():
-        if thin and before and mark.y > before.y / BETTER:
-            continue
-        close = before and mark.x < CLOSE * before.x and 1 / CLOSE < mark.y / before.y < CLOSE
-        below, before = below + 1 if close else 0, mark
-        axes.annotate(
-            mark.name.replace("[", "\n["), (mark.x, mark.y), fontsize=7, color=colour, ha=side,
-            xytext=(edge, (2 if up else -2) - 9 * below), textcoords="offset points",
-            va="bottom" if up else "top",
-        )  # fmt: skip
+    axes.set(xscale="log", yscale="log")
+    axes.grid(alpha=0.25)
+    for curve in dict.fromkeys(mark.curve for mark in marks):
+        own = sorted((mark.x, mark.y) for mark in marks if mark.curve == curve)
+        axes.plot(*zip(*own, strict=True), "o-" if curve else "o", color="0.82", ms=3, lw=0.8)
+    for place, (colour, front) in enumerate(fronts.items(), 1):
+        right = place < len(fronts)
+        axes.plot([mark.x for mark in front], [mark.y for mark in front], "o-", color=colour, ms=5,
+                  lw=1.4, drawstyle="steps-post" if thin else "default")  # fmt: skip
+        below = 0
+        before: Mark | None = None
+        for mark in {mark.name: mark for mark in front}.values():
+            if thin and before and mark.y > before.y / BETTER:
+                continue
+            close = (
+                before is not None
+                and mark.x < CLOSE * before.x
+                and 1 / CLOSE < mark.y / before.y < CLOSE
+            )
+            below, before = below + 1 if close else 0, mark
+            axes.annotate(
+                mark.name.replace("[", "\n["), (mark.x, mark.y), fontsize=7, color=colour,
+                xytext=(6 if right else -6, (2 if right != rises else -2) - 9 * below),
+                textcoords="offset points", ha="left" if right else "right",
+                va="bottom" if right != rises else "top",
+            )  # fmt: skip

@@ -23,7 +23,7 @@ from harness.rows import mode_rows, settings
 from harness.signatures import Array, Figure
 from harness.tables import Table
 from harness.timing import Spent, Timed, Timings, Way, time_ways
-from harness.unbeaten import Mark, draw_front, draw_rest, unbeaten
+from harness.unbeaten import Mark, draw, unbeaten
 from reference_models import Named
 from reference_models.richardson import extrapolated
 
@@ -106,10 +106,10 @@ class WorkPrecision(Result):
         """Return the truth's own uncertainty of the lowest `modes` at any case [%]."""
         if kind == OWN or self.truth is None:
             return 0.0
-        found = [m for c in self.cases if (m := self.study.first(c, self.truth)) is not None]
+        found = (self.study.first(case, self.truth) for case in self.cases)
         return max(
             (100 * float((m.uncertainty / m.frequencies)[:modes].max())
-             for m in found if m.uncertainty is not None), default=0.0,
+             for m in found if m is not None and m.uncertainty is not None), default=0.0,
         )  # fmt: skip
 
     def front(self, kind: str, modes: int) -> list[Point]:
@@ -178,13 +178,12 @@ class WorkPrecision(Result):
             found = [(p, p.worst(kind, modes)) for p in self.points]
             placed = [(Mark(1e3 * p.seconds, max(LEAST, error), label(p.model)), p.poses > 1)
                       for p, error in found if np.isfinite(error)]  # fmt: skip
-            draw_rest(axes, [mark for mark, _ in placed])
-            for many, colour in ((False, COLOURS[0]), (True, COLOURS[3])):
-                front = unbeaten((s for s, batch in placed if batch == many), lambda s: (s.x, s.y))
-                draw_front(axes, front, colour, right=not many, thin=True)
-            axes.set(xscale="log", yscale="log")
+            fronts = {
+                colour: unbeaten((m for m, batch in placed if batch == many), lambda m: (m.x, m.y))
+                for many, colour in ((False, COLOURS[0]), (True, COLOURS[3]))
+            }
+            draw(axes, [mark for mark, _ in placed], fronts, thin=True)
             axes.margins(x=0.5, y=0.1)  # names stand on either side of what is drawn
-            axes.grid(alpha=0.25)
             if unsure := self.known_to(kind, modes):
                 axes.axhspan(LEAST / 2, unsure, color="0.92", zorder=0)
                 said = f"grey band: the truth is known to {percent(unsure)}"
@@ -216,11 +215,10 @@ class WorkPrecision(Result):
 def timed_rows(one: Timed, cases: Sequence[Case], timed: str) -> list[dict[str, Any]]:
     """Return the rows of one timed way for the history: `build_s` is 0, `solve_s` all of it."""
     rows = []
-    how: dict[str, Any] = {"poses": one.way.poses} if one.way.poses else {}
     for answer, case in zip(one.answers, cases, strict=True):
         if isinstance(answer, Modes):
             count = len(answer.frequencies)
-            chosen = settings(one.way.model, count, way=one.way.method, timed=timed, **how)
+            chosen = settings(one.way.model, count, way=one.way.method, timed=timed)
             found = mode_rows(case, label(one.way.model), chosen, answer, min(COUNT, count))
             rows += [row | {"build_s": 0.0, "solve_s": one.median()} for row in found]
     return rows

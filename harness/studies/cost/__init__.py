@@ -19,32 +19,19 @@ from harness.presets import PAPER_ELEMENTS
 from harness.request import Option, Plan, Request, whole
 from harness.result import Result
 from harness.signatures import Array, Figure
-from harness.studies.cost.measured import (
-    Call,
-    Peers,
-    Ratio,
-    Throughput,
-    cores_table,
-    dense_pair,
-    eigh_of,
-    measured,
-    peers_table,
-    quartiles,
-    ratios,
-    ratios_table,
-    simulators_table,
-    throughput,
-)
+from harness.studies.cost import measured
+from harness.studies.cost.measured import Call, quartiles
 from harness.studies.cost.work import counted, growth_table, work_table
 from harness.studies.precision import COUNT, SOLVERS, timed_rows
-from harness.tables import Number, Table
+from harness.tables import Number, Row, Table
 from harness.timing import Timed, Timings, Way, time_ways
-from harness.unbeaten import Mark, draw_front, draw_rest, unbeaten
+from harness.unbeaten import Mark, draw, unbeaten
 from reference_models import Named
 
 YARDSTICK = "scipy.linalg.eigh of the assembled s=3 pair"
 FLOOR = "numpy.linalg.eigh of 10,000 6x6 matrices, per matrix"
 MATRICES = 10_000
+RIVALS = {name: Named("multipliers", None, (("solver", name),)) for name in SOLVERS}
 MOST_POSES = 1_000_000
 LONG_SHARE = 60.0
 """No core is given more poses than it solves in this time [s]."""
@@ -79,9 +66,9 @@ class Cost(Result):
     case: Case
     theory: Named
     timings: Timings
-    plain: list[Ratio]
-    many: list[Throughput]
-    peers: Peers
+    plain: list[measured.Ratio]
+    many: list[measured.Throughput]
+    peers: measured.Peers
 
     @property
     def elements(self) -> list[Timed]:
@@ -121,8 +108,8 @@ class Cost(Result):
 
     def rivals(self) -> dict[str, Timed]:
         """Return what multipliers took with the paper's number of elements, by solver."""
-        found = {name: self.at(Way(model).method) for name, model in _rivals().items()}
-        return {name: one for name, one in found.items() if one is not None}
+        asked = {Way(replace(m, elements=PAPER_ELEMENTS)): name for name, m in RIVALS.items()}
+        return {asked[t.way]: t for t in self.elements if t.way in asked}
 
     def records(self) -> Iterator[dict[str, Any]]:
         """Return one row a way and round: seconds a pose, and its parts."""
@@ -141,10 +128,10 @@ class Cost(Result):
             "-growth": growth_table(self.elements, self.steps, self.case),
             "-work": work_table(self.steps, self.case),
             "-batches": self._batches_table(),
-            "-ratios": ratios_table(self.plain),
-            "-simulators": simulators_table(self.elements),
-            "-cores": cores_table(self.many),
-            "-peers": peers_table(self.peers),
+            "-ratios": measured.ratios_table(self.plain),
+            "-simulators": measured.simulators_table(self.elements),
+            "-cores": measured.cores_table(self.many),
+            "-peers": measured.peers_table(self.peers),
         }
         paper = self.case.paper
         return found | ({"-claims": self._claims_table(paper.cost)} if paper and paper.cost else {})
@@ -183,32 +170,26 @@ class Cost(Result):
 
     def _claims_table(self, said: Mapping[str, float]) -> Table:
         """Return what the paper claims next to what this run measured."""
-        own, rows = self.at(self.theory.name), list[tuple[Any, ...]]()
-        rivals = [(one.way.method, one) for one in self.rivals().values()]
-        both = [("theoretical model", own), ("finite-element model", self.stand_in)]
-        for claim, one in (*both, *rivals):
+        own, rows = self.at(self.theory.name), list[Row]()
+        rivals = {one.way.method: one for one in self.rivals().values()}
+        both = {"theoretical model": own, "finite-element model": self.stand_in}
+        for claim, one in (both | rivals).items():
             if own is None or one is None:
                 continue
             mine, its = (f"{t.way.method}, s={t.way.size}" for t in (own, one))
             rows.append((claim, "s", cell(said.get(claim, np.nan)), Number(one.median(), 4), its))
             if one is not own:
                 pairs = zip(own.each("seconds"), one.each("seconds"), strict=False)
-                saved = 100 * np.median([1 - a / b for a, b in pairs])
+                saved = 100 * float(np.median([1 - a / b for a, b in pairs]))
                 printed = cell(said.get("cost saved", np.nan) if one is self.stand_in else np.nan)
-                rows.append((f"cost saved against {its}", "%", printed, Number(saved, 2), mine))
-        columns = {
-            "Claim": None,
-            "Unit": None,
-            "Paper": None,
-            "Here": None,
-            "What was measured": None,
-        }
+                rows.append((f"cost saved against {its}", "%", printed, cell(saved), mine))
+        columns = ("Claim", "Unit", "Paper", "Here", "What was measured")
         notes = (
             "the paper compares with finite elements (ANSYS) alone and says neither on what "
             "machine nor what the times include; it gives no time with multipliers",
             self._circumstances,
         )
-        return laid_out("What the paper claims, and what was measured", columns, rows, notes)
+        return Table("What the paper claims, and what was measured", columns, rows, notes)
 
     @property
     def _circumstances(self) -> str:
@@ -223,30 +204,25 @@ class Cost(Result):
         Ways that nothing beats are named: in (a) more elements for less time win, in (b) fewer
         poses a call. (a) joins a method's numbers of elements, (b) a model's numbers of poses.
         """
-        title = "Ways that nothing beats; grey: all others"
+        title, far = "Ways that nothing beats; grey: all others", 2 * max(self.steps)
         heads = (f"modes of one pose, {YARDSTICK} = 1", f"frequencies, {FLOOR} = 1")
         figure, ((left, right),) = panels(title, 1, 2, (5.8, 5.4), heads)
-        single, far = list[Mark](), 2 * max(self.steps)
-        for t in self.elements:
-            name, s, ratio = t.way.method, t.way.model.elements, self.ratio(t, YARDSTICK)
-            assert not isinstance(s, tuple), "it would stand for the paper's finite elements"
-            single.append(
-                Mark(far, ratio, f"{name}, exact", label(t.way.model)) if s is None
-                else Mark(s, ratio, name, name)
-            )  # fmt: skip
-        batched = [
-            Mark(t.way.poses, self.ratio(t, FLOOR), _alone(t), label(t.way.model))
-            for t in self.batches
-        ]
-        draw_rest(left, single)
-        draw_front(left, unbeaten(single, lambda p: (p.y, -p.x)), COLOURS[0], rises=True)
-        draw_rest(right, batched)
-        draw_front(right, unbeaten(batched, lambda p: (p.x, p.y)), COLOURS[3])
+        single, batched = list[Mark](), list[Mark]()
+        for t in self.timings.timed:
+            model, name = t.way.model, _alone(t)
+            if t.way.poses:
+                batched.append(Mark(t.way.poses, self.ratio(t, FLOOR), name, label(model)))
+            elif model.elements is None:
+                ratio = self.ratio(t, YARDSTICK)
+                single.append(Mark(far, ratio, f"{name}, exact", label(model)))
+            elif isinstance(model.elements, int):
+                single.append(Mark(model.elements, self.ratio(t, YARDSTICK), name, name))
+        draw(left, single, {COLOURS[0]: unbeaten(single, lambda p: (p.y, -p.x))}, rises=True)
+        draw(right, batched, {COLOURS[3]: unbeaten(batched, lambda p: (p.x, p.y))})
         for axes, what in ((left, "one"), (right, "a")):
-            axes.set(xscale="log", yscale="log", ylabel=f"time of {what} pose / yardstick")
+            axes.set_ylabel(f"time of {what} pose / yardstick")
             axes.title.set_fontsize(9)
             axes.margins(x=0.2, y=0.12)
-            axes.grid(alpha=0.25)
         left.set_xticks([*self.steps, far], [*map(str, self.steps), "exact"])
         left.set_xticks([], minor=True)
         left.set_xlabel("number of elements $s$")
@@ -292,7 +268,7 @@ def measure(
     batches: Sequence[int],
     rounds: int,
     bench: Bench,
-    poses_a_core: int = 100_000,
+    poses_a_core: int,
 ) -> Cost:
     """Time all models at `case` in `rounds` rounds; the paper's s = 3 is always one of them."""
     steps = sorted({*elements, PAPER_ELEMENTS})
@@ -301,7 +277,7 @@ def measure(
     solvers = [(("solver", name),) for name in ("dense", "sparse")] if simple else []
     kinds = [
         theory, *(replace(theory, settings=(*theory.settings, *own)) for own in solvers),
-        *_rivals().values(),
+        *RIVALS.values(),
     ]  # fmt: skip
     fast = [(("fast", True),)] if simple and compiled() else []
     loops = [Named("condensed", None, settings) for settings in ((), *fast)]
@@ -321,17 +297,17 @@ def measure(
         for loop in loops for s in (steps[0], steps[-1], None) for size in batches if size > 1
     ]  # fmt: skip
     yardsticks: dict[str, tuple[Call, int]] = {
-        YARDSTICK: (partial(scipy.linalg.eigh, *dense_pair(case)), 1),
-        FLOOR: (eigh_of(MATRICES), MATRICES),
+        YARDSTICK: (partial(scipy.linalg.eigh, *measured.dense_pair(case)), 1),
+        FLOOR: (measured.eigh_of(MATRICES), MATRICES),
     }
     timings = time_ways(bench, list(dict.fromkeys(ways)), [case], rounds, COUNT, yardsticks)
     most = {t.way.model: t for t in timings.timed if t.way.poses > 1}
-    plain = ratios(case, rounds, min((t.way.poses for t in most.values()), default=0))
-    others = measured(case, rounds)
+    plain = measured.ratios(case, rounds, min((t.way.poses for t in most.values()), default=0))
+    others = measured.frames(case, rounds)
     slowest = max((most[loop].median() for loop in loops if loop in most), default=1.0)
     poses = min(poses_a_core, max(1, int(LONG_SHARE / slowest)))
     plainly = [replace(loop, settings=loop.settings or (("fast", False),)) for loop in loops]
-    cores, failed = throughput(case, plainly, poses, bench.limit)
+    cores, failed = measured.throughput(case, plainly, poses, bench.limit)
     timings = replace(timings, failures=timings.failures | failed)
     return Cost(case, theory, timings, plain, cores, others)
 
@@ -351,10 +327,6 @@ def jobs(plan: Plan) -> dict[str, Request]:
     steps = (1, 2, 4, 8, 16, 32, 64)
     return {"cost": plan.request(cases=plan.cases[-1:], references=plan.references, elements=steps,
                                  options=options)}  # fmt: skip
-
-
-def _rivals() -> dict[str, Named]:
-    return {name: Named("multipliers", None, (("solver", name),)) for name in SOLVERS}
 
 
 def _alone(t: Timed) -> str:

@@ -210,7 +210,7 @@ class Peers:
     reason: str
 
 
-def measured(case: Case, rounds: int) -> Peers:
+def frames(case: Case, rounds: int) -> Peers:
     """Return what `FRAMES` take at a case, with `scipy.linalg.eigh` in every round."""
     found, ours, reason, (K, M) = list[Peer](), list[Peer](), "", dense_pair(case)
     for s in FRAMES:
@@ -230,7 +230,7 @@ def measured(case: Case, rounds: int) -> Peers:
 
 def peers_table(result: Peers) -> Table:
     """Return seconds and frequencies of all, those of ours beside."""
-    rows = list[tuple[Any, ...]]()
+    rows = list[Any]()
     for own in result.ours:
         for one in (own, *(p for p in result.found if p.elements == own.elements)):
             whole = one.build + one.solve
@@ -358,11 +358,11 @@ def dense_seconds(dofs: int) -> float:
 
 def simulators_table(timed: Sequence[Timed]) -> Table:
     """Return where the seconds of every simulator's answer go."""
-    rows = list[tuple[Any, ...]]()
+    rows = []
     for t in timed:
         phases, whole = t.phases, t.median()
-        own, *ours = (phases.get(name, 0.0) for name in PHASES)
-        if not own + sum(ours) or isinstance(t.way.model.elements, tuple):
+        own, *ours = (phases[name] for name in PHASES)
+        if not own + sum(ours):
             continue
         projection, ratio = phases["projection"], None
         if t.dofs and t.dofs <= LARGEST and projection:

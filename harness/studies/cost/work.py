@@ -99,10 +99,10 @@ def growth_table(timed: Sequence[Timed], steps: Sequence[int], case: Case) -> Ta
     """Return every exponent, over all sizes and over large ones."""
     fits = {key: (exponent(series), exponent(series, LARGE))
             for key, series in grown(timed, steps, case).items()}  # fmt: skip
-    rows = tuple(
+    rows = [
         (*key, *(c for sizes, *fit in both for c in (sizes, *map(cell, fit))))
         for key, both in fits.items() if both[0][0] != "-"
-    )  # fmt: skip
+    ]  # fmt: skip
     columns = ("Model", "Of", "s", "exponent", "std. error", "large s", "exponent", "std. error")
     notes = (
         "cost ~ s^exponent, least squares on logarithms of medians; three sizes at least",

@@ -3,6 +3,7 @@
 Also maps over a plane of two of x, y and z, out to where the limits end: of hexapods and others.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from sys import float_info
@@ -30,7 +31,7 @@ from harness.studies.workspace.checks import (
     verdicts,
 )
 from harness.studies.workspace.map import Grid, Map, Plane, Region, limits_met, limits_said
-from harness.tables import Cell, Number, Table
+from harness.tables import Number, Row, Table
 
 BATCHED, OF_CHAINS, ONE_BY_ONE = (72, 15), (36, 8), (12, 4)
 """Azimuths and tilts of models that take all poses at once, of R-P-S limbs and of other chains, and
@@ -43,16 +44,16 @@ PLANES = "x,y", "x,z", "y,z"
 
 
 def _grid(text: str) -> tuple[int, int]:
-    azimuths, _, tilts = text.partition("x")
-    good = all(part.isascii() and part.isdecimal() and len(part) < 9 for part in (azimuths, tilts))
-    if not good or int(azimuths) < 12 or int(tilts) < 2:
+    found = re.fullmatch("([0-9]{1,8})x([0-9]{1,8})", text)
+    azimuths, tilts = (int(part) for part in found.groups()) if found else (0, 0)
+    if azimuths < 12 or tilts < 2:
         expected = (
             "AxT: azimuths, a multiple of the number of limbs from 12 on, and 2 tilts or more"
         )
         raise InputError("grid", text, expected)
-    if int(azimuths) * int(tilts) > MOST_POSES:
+    if azimuths * tilts > MOST_POSES:
         raise InputError("grid", text, f"at most {MOST_POSES} poses a layer")
-    return int(azimuths), int(tilts)
+    return azimuths, tilts
 
 
 def _layers(text: str) -> Array:
@@ -67,8 +68,7 @@ def _layers(text: str) -> Array:
 def _plane(text: str) -> tuple[str, str]:
     if text not in PLANES:
         raise InputError("plane", text, f"one of {' '.join(PLANES)}")
-    first, second = text.split(",")
-    return first, second
+    return text[0], text[2]
 
 
 OUTPUT = "workspace"
@@ -162,7 +162,7 @@ class PlaneMap(Result):
     def tables(self) -> dict[str, Table]:
         """Return where each mode is lowest and highest, and what ends the plane."""
         plane, model = self.map.grid, label(self.map.answers.model)
-        shown, rows = [f"{name}_m" for name in plane.names], list[tuple[Cell, ...]]()
+        shown, rows = [f"{name}_m" for name in plane.names], list[Row]()
         for mode in self.shown:
             f = self.map.frequencies[..., mode - 1]
             for word, find in (("lowest", np.nanargmin), ("highest", np.nanargmax)):
@@ -175,7 +175,7 @@ class PlaneMap(Result):
         nearest = f"nearest end, {1000 * ends.min():.2f} mm away: {met}"
         title = f"{plane.case.name} over {' and '.join(plane.names)}: {model}"
         heads = ("Mode", "", "f [Hz]", *headings(shown))
-        return {"": Table(title, heads, tuple(rows), (limits_said(*held), nearest, ORDER))}
+        return {"": Table(title, heads, rows, (limits_said(*held), nearest, ORDER))}
 
     def figures(self) -> dict[str, Figure]:
         """Return contours, a panel a mode, each with its own scale; none without an answer."""
@@ -278,6 +278,5 @@ def jobs(plan: Plan) -> dict[str, Request]:
     """
     richest = (*exact_chain(plan.theory)[-1:], plan.theory)[0]
     one = plan.request(cases=plan.cases[:1], theory=richest, shown=(1, 2, 3))
-    if plan.cases[0].pose.x is None:
-        return {"workspace": one}
-    return {"workspace-plane": one.with_(options={OPTION.name: ("x", "y")}), "workspace": one}
+    over = {"workspace-plane": one.with_(options={OPTION.name: ("x", "y")}), "workspace": one}
+    return over if plan.cases[0].pose.x is not None else {"workspace": one}

@@ -12,7 +12,7 @@ from harness.compare import at
 from harness.poses import named
 from harness.signatures import Array
 from harness.studies.workspace.map import Flags, Grid, Map, limits_met, limits_said
-from harness.tables import Cell, Table
+from harness.tables import Row, Table
 
 ORDER = "modes are numbered by order, from the lowest: where two cross, they change places"
 ROUNDING = 1e-9
@@ -53,16 +53,17 @@ def _changed(data: Map[Grid], azimuths: Any) -> float:
 
 def region_table(data: Map[Grid], shown: Sequence[int]) -> Table:
     """Return each layer's circle, what limits it, the cone, and the range of frequencies in it."""
-    grid, rows = data.grid, list[tuple[Any, ...]]()
+    grid, rows = data.grid, list[Any]()
     mechanism, limits = grid.mechanism, grid.limits
     for z, radius, touch, f in zip(grid.z, grid.radii, grid.touch, data.frequencies, strict=True):
         cone = np.degrees(grid.region.cone.radius(z))
         met = limits_met(mechanism, limits, Pose(z, touch, radius))
         known = at(f[np.isfinite(f[..., 0])], shown)
-        ends = np.stack([known.min(axis=0), known.max(axis=0)], axis=1) if len(known) else (
-            np.full((len(shown), 2), ""))  # fmt: skip
-        row = (1000 * z, np.degrees(radius), cone if cone > 0 else "", met, *ends.ravel().tolist())
-        rows.append(row)
+        ends: Any = [""] * 2 * len(shown)
+        if len(known):
+            ends = np.stack([known.min(axis=0), known.max(axis=0)], axis=1).ravel()
+        there = (1000 * z, np.degrees(radius), cone if cone > 0 else "", met)
+        rows.append((*there, *ends))
     said = limits_said(mechanism, limits)
     if limits.x is not None:
         said += f"; x = {1000 * limits.x:g} mm, y = {1000 * (limits.y or 0.0):g} mm everywhere"
@@ -78,7 +79,7 @@ def region_table(data: Map[Grid], shown: Sequence[int]) -> Table:
 
 def symmetry_table(data: Map[Grid], shown: Sequence[int]) -> Table:
     """Return the azimuthal ripple of each mode: largest, where, and at half the rim there."""
-    rows = list[tuple[Any, ...]]()
+    rows = list[Row]()
     for i, wave in zip(shown, np.moveaxis(at(ripple(data), shown), -1, 0), strict=True):
         if not np.isfinite(wave[:, 1:]).any():
             rows.append((f"f{i}", "", "", "", ""))
@@ -113,7 +114,7 @@ def rises(data: Map[Grid]) -> tuple[Array, Flags]:
 
 def height_table(data: Map[Grid], shown: Sequence[int]) -> Table:
     """Return, for each mode, how many (azimuth, tilt) fall with height throughout, or where not."""
-    grid, (change, checked), rows = data.grid, rises(data), list[tuple[Cell, ...]]()
+    grid, (change, checked), rows = data.grid, rises(data), list[Row]()
     for i in shown:
         mode, columns = change[..., i - 1], checked[..., i - 1]
         falling = columns & ~(mode >= 0).any(axis=0)
@@ -132,7 +133,7 @@ def height_table(data: Map[Grid], shown: Sequence[int]) -> Table:
         ORDER,
     )
     title = f"Frequency against height: {label(data.answers.model)}"
-    return Table(title, heads, tuple(rows), notes)
+    return Table(title, heads, rows, notes)
 
 
 def verdicts(data: Map[Grid], shown: Sequence[int]) -> list[str]:

@@ -237,9 +237,8 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
         bench.listener.expect(1)
         everywhere = f"{label(model)} at {len(poses)} poses"
         first = bench.solve(model, mechanism, poses[0], count)
-        found: object = first
-        if isinstance(first, Modes):
-            found = bench.call(BatchTask(model, mechanism, poses, count), isolated=False)
+        batch = BatchTask(model, mechanism, poses, count)
+        found = first if isinstance(first, Failure) else bench.call(batch, isolated=False)
         bench.listener.done(everywhere)
         if isinstance(found, Failure):
             failures[everywhere] = found.reason
