@@ -121,15 +121,13 @@ def surface_figure(data: Map[Grid], shown: Sequence[int]) -> Figure:
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MaxNLocator(4, symmetric=True))
         ticks = MaxNLocator(6, prune="both").tick_values(low, high)
-        axes.set_zticks(np.log10(ticks), [f"{tick:g}" for tick in ticks])
+        named = [f"{tick:g}" for tick in ticks]
+        axes.set_zticks(np.log10(ticks), named)
         axes.view_init(elev=20, azim=-60)
         axes.set_box_aspect((1, 1, 1.15), zoom=0.92)
-        bar = figure.colorbar(
-            ScalarMappable(scale, COLOUR_MAP), ax=axes, location="bottom", shrink=0.7, pad=0.05
-        )
-        bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+        bar = colour_bar(figure, ScalarMappable(scale, COLOUR_MAP), axes, i, shrink=0.7, pad=0.05)
+        bar.set_ticks(ticks, labels=named)
         bar.minorticks_off()
-        bar.set_label(f"$f_{{{i}}}$ [Hz]")
     return figure
 
 
@@ -181,7 +179,7 @@ def filled(axes: Axes, x: Array, y: Array, f: Array) -> Any:
 
 def colour_bar(figure: Figure, drawn: Any, axes: Axes, mode: int, **how: Any) -> Any:
     """Draw the colour bar of a mode's contours below them, and return it."""
-    bar: Any = figure.colorbar(drawn, ax=axes, location="bottom", shrink=0.85, **how)
+    bar: Any = figure.colorbar(drawn, ax=axes, location="bottom", **{"shrink": 0.85} | how)
     bar.locator = MaxNLocator(4)
     bar.update_ticks()
     bar.set_label(f"$f_{{{mode}}}$ [Hz]")
