@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import pairwise, product
+from itertools import product
 from pathlib import Path
 from timeit import repeat, timeit
 from typing import Any
@@ -303,14 +303,14 @@ def throughput(
 ) -> tuple[list[Throughput], dict[str, str]]:
     """Return what 1, 2, 4 ... and all cores make of as many `poses` a core, and what failed."""
     here = os.cpu_count() or 1
-    steps = sorted({*(2**k for k in range(here.bit_length()) if 2**k < here), here})
+    steps = sorted({*(2**k for k in range(here.bit_length())), here})
     found, failures = list[Throughput](), dict[str, str]()
     with closing(Children()) as children:
         children.start(here)
         for model, cores in product(models, steps):
             every = poses_around(case, poses * cores)
-            edges = [poses * k for k in range(cores + 1)]
-            shares = [Share(model, case.mechanism, every[a:b]) for a, b in pairwise(edges)]
+            shares = [Share(model, case.mechanism, every[poses * k : poses * (k + 1)])
+                      for k in range(cores)]  # fmt: skip
             with ThreadPoolExecutor(cores) as threads:
                 answers = list(threads.map(lambda share: children.attempt(share, limit), shares))
             bad = next((a for a in answers if isinstance(a, Failure)), None)
