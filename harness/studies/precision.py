@@ -99,8 +99,11 @@ class WorkPrecision(Result):
     @property
     def asked(self) -> list[tuple[str, str, str, int]]:
         """Every kind of error, what it is against, and every group with its number of modes."""
-        return [(kind, against, group, modes) for kind, against in self.kinds.items()
-                for group, modes in GROUPS.items()]  # fmt: skip
+        return [
+            (kind, against, group, modes)
+            for kind, against in self.kinds.items()
+            for group, modes in GROUPS.items()
+        ]
 
     def known_to(self, kind: str, modes: int) -> float:
         """Return the truth's own uncertainty of the lowest `modes` at any case [%]."""
@@ -120,8 +123,11 @@ class WorkPrecision(Result):
     def cheapest(self, kind: str, modes: int, target: float, many: bool) -> Point | None:
         """Return the fastest way that is surely within `target` [%], or None."""
         unsure = self.known_to(kind, modes)
-        good = (p for p in self.points
-                if (p.poses > 1) == many and p.worst(kind, modes) + unsure <= target)  # fmt: skip
+        good = (
+            p
+            for p in self.points
+            if (p.poses > 1) == many and p.worst(kind, modes) + unsure <= target
+        )
         return min(good, key=lambda p: p.seconds, default=None)
 
     def records(self) -> list[dict[str, Any]]:
@@ -154,7 +160,7 @@ class WorkPrecision(Result):
             (against, group, p.method, p.size, 1e3 * p.seconds, p.worst(kind, modes))
             for kind, against, group, modes in self.asked for p in self.front(kind, modes)
         )  # fmt: skip
-        about: dict[str, int | None] = {"Against": None, "Modes": None}
+        about = dict.fromkeys(("Against", "Modes"))
         ways = {"Target [%]": 2, "One pose": None, f"{BATCH} poses a call": None}
         shown = {"Way": None, "Elements": None, "ms a pose": 4, "Largest error [%]": 6}
         return {
@@ -187,8 +193,8 @@ class WorkPrecision(Result):
             if unsure := self.known_to(kind, modes):
                 axes.axhspan(LEAST / 2, unsure, color="0.92", zorder=0)
                 said = f"grey band: the truth is known to {percent(unsure)}"
-                axes.text(0.99, 0.01, said, fontsize=7, ha="right", va="bottom",
-                          transform=axes.transAxes)  # fmt: skip
+                corner = {"ha": "right", "va": "bottom", "transform": axes.transAxes}
+                axes.text(0.99, 0.01, said, fontsize=7, **corner)
                 axes.set_ylim(bottom=unsure / 3)
         for axes in grid[:, 0]:
             axes.set_ylabel("largest error [%]")
@@ -305,14 +311,14 @@ def _errors(
     """Return 100 (f / f_truth - 1) [%] for each mode of the truth, partners found by shape."""
     rows = []
     for case, answer in zip(cases, one.answers, strict=True):
-        exact, shaped = study.first(case, truth), (
+        exact = study.first(case, truth)
+        shaped: object = answer
+        found: Any = getattr(answer, "frequencies", answer)
+        if not isinstance(answer, Modes):
             # Frequencies alone have the shapes of the same model, asked for its modes.
-            answer if isinstance(answer, Modes)
-            else bench.solve(one.way.model, case.mechanism, case.pose, COUNT + SPARE)
-        )  # fmt: skip
+            shaped = bench.solve(one.way.model, case.mechanism, case.pose, COUNT + SPARE)
         if exact is None or not isinstance(shaped, Modes):
             return None
-        found = answer.frequencies if isinstance(answer, Modes) else answer
         partner = pair(exact, shaped, case.mechanism, case.pose).partner
         rows.append(relative_error(found[partner], exact.frequencies))
     return np.array(rows)

@@ -143,7 +143,7 @@ class Cost(Result):
              *(1e3 * t.median(part) for part in parts), self.ratio(t, YARDSTICK))
             for t in self.elements
         )  # fmt: skip
-        columns: dict[str, int | None] = {"Model": None, "s": None, "dofs": None}
+        columns = dict.fromkeys(("Model", "s", "dofs"))
         columns |= {f"{name} [ms]": 3 for name in ("median", "q1", "q3", *parts)} | {"ratio": 2}
         yard = np.median(self.timings.yardsticks[YARDSTICK])
         notes = (
@@ -161,8 +161,8 @@ class Cost(Result):
              self.ratio(t, FLOOR))
             for t in self.batches
         )  # fmt: skip
-        columns = {"Model": None, "s": None, "poses a call": None,
-                   "median [us]": 2, "q1 [us]": 2, "q3 [us]": 2, "6x6 eigh": 2}  # fmt: skip
+        columns = dict.fromkeys(("Model", "s", "poses a call"))
+        columns |= dict.fromkeys(("median [us]", "q1 [us]", "q3 [us]", "6x6 eigh"), 2)
         floor = 1e6 * np.median(self.timings.yardsticks[FLOOR])
         note = f"all a pose; 6x6 eigh: ratio to {FLOOR}, {floor:.2f} us here"
         title = "Cost of a pose against the number of poses a call"
@@ -231,11 +231,11 @@ class Cost(Result):
 
     def sentences(self) -> list[str]:
         """Return what a pose costs in large batches, and what multipliers cost beside it."""
-        size = max((t.way.poses for t in self.batches), default=0)
+        most = (max((t.way.poses for t in self.batches), default=0), "exact")
+        large = [t for t in self.batches if (t.way.poses, t.way.size) == most]
         each = "; ".join(
-            f"{t.way.method}: {self.ratio(t, FLOOR):.1f} ({1e6 * t.median():.0f} us)"
-            for t in self.batches if (t.way.poses, t.way.size) == (size, "exact")
-        )  # fmt: skip
+            f"{t.way.method}: {self.ratio(t, FLOOR):.1f} ({1e6 * t.median():.0f} us)" for t in large
+        )
         own = self.at(self.theory.name)
         return [
             *([f"A pose costs, in times of one 6x6 numpy.linalg.eigh: {each}."] if each else []),
@@ -274,11 +274,9 @@ def measure(
     steps = sorted({*elements, PAPER_ELEMENTS})
     # Of limbs of any chain there is one solver, and no compiled loop.
     simple, limit = case.mechanism.simple, theory.limit()
-    solvers = [(("solver", name),) for name in ("dense", "sparse")] if simple else []
-    kinds = [
-        theory, *(replace(theory, settings=(*theory.settings, *own)) for own in solvers),
-        *RIVALS.values(),
-    ]  # fmt: skip
+    solvers = [("solver", name) for name in ("dense", "sparse")] if simple else []
+    variants = (replace(theory, settings=(*theory.settings, solver)) for solver in solvers)
+    kinds = [theory, *variants, *RIVALS.values()]
     fast = [(("fast", True),)] if simple and compiled() else []
     loops = [Named("condensed", None, settings) for settings in ((), *fast)]
     ways = [

@@ -150,10 +150,9 @@ def ratios(case: Case, rounds: int, poses: int) -> list[Ratio]:
     found = []
     for places, solutions, asked in ((at, CALLS, single), ([every], poses, batches)):
         for what, against, own, yard in asked:
-            runs = (partial(_run, own, [(mechanism, place) for place in places]),
-                    partial(_run, yard, [()] * len(places)))  # fmt: skip
             ratio = Ratio(what, against, np.empty(rounds), np.empty(rounds))
-            found.append((ratio, *runs, solutions))
+            ours = partial(_run, own, [(mechanism, place) for place in places])
+            found.append((ratio, ours, partial(_run, yard, [()] * len(places)), solutions))
     for _, ours, plain, _ in found:
         for call in (ours, plain, ours):  # loads, compiles and tabulates
             call()
@@ -190,10 +189,12 @@ def _saddle_point(K: Array, M: Array, C: Array) -> Any:
 
 def ratios_table(found: Sequence[Ratio]) -> Table:
     """Return every ratio with its quartiles."""
-    rows = ((one.what, one.against, *quartiles(one.own / one.yard),
-             *(1e6 * np.median([one.own, one.yard], axis=1))) for one in found)  # fmt: skip
-    columns = {"Ours": None, "in times of": None, "median": 2, "q1": 2, "q3": 2,
-               "ours [us]": 1, "yardstick [us]": 1}  # fmt: skip
+    rows = []
+    for one in found:
+        medians = 1e6 * np.median([one.own, one.yard], axis=1)
+        rows.append((one.what, one.against, *quartiles(one.own / one.yard), *medians))
+    columns = dict.fromkeys(("Ours", "in times of")) | dict.fromkeys(("median", "q1", "q3"), 2)
+    columns |= {"ours [us]": 1, "yardstick [us]": 1}
     note = (
         "shapes included where it says modes; the processor's own time of one thread, each sample "
         "between two of its yardstick"
@@ -239,8 +240,9 @@ def peers_table(result: Peers) -> Table:
             rows.append((one.name, one.elements, *ms, np.median(whole / one.eigh), f"{apart:.0e}"))
         floor = 1e3 * np.median(own.eigh)
         rows.append(("the floor: scipy.linalg.eigh", PAPER_ELEMENTS, None, floor, floor, 1.0, "-"))
-    columns = {"Frame": None, "s": None, "build [ms]": 3, "solve [ms]": 3, "both [ms]": 3,
-               "eigh = 1": 2, "apart": None}  # fmt: skip
+    columns = dict.fromkeys(("Frame", "s"))
+    columns |= dict.fromkeys(("build [ms]", "solve [ms]", "both [ms]"), 3)
+    columns |= {"eigh = 1": 2, "apart": None}
     notes = [
         f"eigh: of the s = {PAPER_ELEMENTS} pair, in the same process and round; shapes are not "
         "read; apart: largest relative difference of f1-f6 from ours",
@@ -309,8 +311,10 @@ def throughput(
         children.start(here)
         for model, cores in product(models, steps):
             every = poses_around(case, poses * cores)
-            shares = [Share(model, case.mechanism, every[poses * k : poses * (k + 1)])
-                      for k in range(cores)]  # fmt: skip
+            shares = [
+                Share(model, case.mechanism, every[poses * k : poses * (k + 1)])
+                for k in range(cores)
+            ]
             with ThreadPoolExecutor(cores) as threads:
                 answers = list(threads.map(lambda share: children.attempt(share, limit), shares))
             bad = next((a for a in answers if isinstance(a, Failure)), None)
@@ -373,7 +377,7 @@ def simulators_table(timed: Sequence[Timed]) -> Table:
             100 * (1 - own / whole), ratio, 1e3 * t.first.phases[SIMULATOR],
         ))  # fmt: skip
     parts = ("whole", *PHASES, "rest")
-    columns: dict[str, int | None] = {"Model": None, "Simulator": None, "dofs": None}
+    columns = dict.fromkeys(("Model", "Simulator", "dofs"))
     columns |= {f"{name} [ms]": 2 for name in parts}
     columns |= {"ours [%]": 1, "projection / eigh": 2, "first call [ms]": 1}
     notes = (

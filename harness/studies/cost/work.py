@@ -54,8 +54,8 @@ def work_table(steps: Sequence[int], case: Case) -> Table:
                 one, own = counted(name, s, case), counted("paper", s, case)
                 rows.append((method, s, one.dofs, one.nonzeros, one.bytes / 1e3, one.flops / 1e6,
                              one.flops / own.flops))  # fmt: skip
-    columns = {"Formulation": None, "s": None, "dofs": None, "non-zeros of K": None,
-               "kB": 1, "Mflop": 3, "paper's = 1": 2}  # fmt: skip
+    columns = dict.fromkeys(("Formulation", "s", "dofs", "non-zeros of K"))
+    columns |= {"kB": 1, "Mflop": 3, "paper's = 1": 2}
     alike = "" if case.mechanism.simple else ", multipliers by LAPACK always"
     note = (
         f"by LAPACK up to {DENSE} coordinates of the paper's, sparse elimination and block "
@@ -97,8 +97,10 @@ def exponent(series: Mapping[int, float], least: int = 1) -> tuple[str, float, f
 
 def growth_table(timed: Sequence[Timed], steps: Sequence[int], case: Case) -> Table:
     """Return every exponent, over all sizes and over large ones."""
-    fits = {key: (exponent(series), exponent(series, LARGE))
-            for key, series in grown(timed, steps, case).items()}  # fmt: skip
+    fits = {
+        key: (exponent(series), exponent(series, LARGE))
+        for key, series in grown(timed, steps, case).items()
+    }
     rows = [
         (*key, *(c for sizes, *fit in both for c in (sizes, *map(cell, fit))))
         for key, both in fits.items() if both[0][0] != "-"

@@ -89,8 +89,8 @@ def symmetry_table(data: Map[Grid], shown: Sequence[int]) -> Table:
         half = np.interp(tilts[-1] / 2, tilts, own)
         z, tilt = 1000 * data.grid.z[k], np.degrees(tilts[-1])
         rows.append((f"f{i}", 100 * own[-1], z, tilt, 100 * half))
-    columns = {"Mode": None, "ripple [%]": 3, "at z [mm]": 1, "and tilt [deg]": 2,
-               "at half that tilt [%]": 3}  # fmt: skip
+    columns = dict.fromkeys(("Mode",)) | {"ripple [%]": 3, "at z [mm]": 1}
+    columns |= {"and tilt [deg]": 2, "at half that tilt [%]": 3}
     limbs = len(data.grid.mechanism.limbs)
     notes = (
         "ripple: (largest - smallest) / mean over azimuth, at one tilt and height",

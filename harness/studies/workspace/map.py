@@ -244,9 +244,9 @@ def solve(model: Model, mechanism: Mechanism, poses: Pose, count: int, bench: Be
             failures[everywhere] = found.reason
         else:
             assert isinstance(first, Modes) and isinstance(found, Batch)
-            frequencies, seconds = found.table, found.seconds / len(poses)
-            answers = [replace(first, uncertainty=None, residual=None, build_seconds=0.0,
-                               solve_seconds=seconds)] * len(poses)  # fmt: skip
+            frequencies = found.table
+            alike = replace(first, build_seconds=0.0, solve_seconds=found.seconds / len(poses))
+            answers = [replace(alike, uncertainty=None, residual=None)] * len(poses)
         return Answers(model, mechanism, poses, frequencies, answers, failures)
     bench.listener.expect(len(poses))
     for i, pose in enumerate(poses):
