@@ -217,7 +217,7 @@ def time_ways(
         return spent[way][-1].seconds * len(cases) * max(1, way.poses)
 
     left_out, failures = dict[str, str](), dict[str, str]()
-    yards: dict[str, list[float]] = {name: [] for name in yardsticks or {}}
+    yards = {name: np.empty(rounds) for name in yardsticks or {}}
     bench.listener.expect(len(ways) + rounds)
     running, stopped = list[Way](), set[str]()
     for way in ways:
@@ -243,15 +243,14 @@ def time_ways(
     for k in range(rounds):
         for name, (run, solutions) in (yardsticks or {}).items():
             number = max(1, int(SAMPLE / timeit(run, number=1)))
-            yards[name].append(timeit(run, number=number) / number / solutions)
+            yards[name][k] = timeit(run, number=number) / number / solutions
         for way in running:
             if last(way) <= SLOW or (last(way) <= ENDLESS and k < FEW):
                 call(way, max(1, int(SAMPLE / last(way))))
         bench.listener.done(f"round {k + 1}")
     # The first call loads and compiles, the second counts only where there is no other.
     timed = (Timed(way, spent[way][0], tuple(spent[way][2:] or spent[way][1:])) for way in running)
-    arrays = {name: np.array(values) for name, values in yards.items()}
-    return Timings(tuple(timed), arrays, left_out, failures, rounds)
+    return Timings(tuple(timed), yards, left_out, failures, rounds)
 
 
 def _unfit(model: Model) -> str:

@@ -16,18 +16,11 @@ from typing import Any
 import numpy as np
 import scipy
 
-from analytic import (
-    Continuum,
-    InputError,
-    Mechanism,
-    Multipliers,
-    Pose,
-    Substructure,
-    condensed_frequencies,
-    limbs_at,
-)
+from analytic import Continuum, InputError, Mechanism, Multipliers, Pose, Substructure
 from analytic.chains import turning
+from analytic.condensed import condensed_frequencies
 from analytic.kernel import compiled
+from analytic.kinematics import limbs_at
 from analytic.model import Model
 from analytic.rod_elements import element_matrices, properties
 from analytic.substructure import platform_mass, rigid_arm

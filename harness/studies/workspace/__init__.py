@@ -23,13 +23,7 @@ from harness.request import Option, Plan, Request, real
 from harness.result import Result
 from harness.rows import PLANE
 from harness.signatures import Array, Figure
-from harness.studies.workspace.checks import (
-    ORDER,
-    height_table,
-    region_table,
-    symmetry_table,
-    verdicts,
-)
+from harness.studies.workspace import checks
 from harness.studies.workspace.map import Grid, Map, Plane, Region, limits_met, limits_said
 from harness.tables import Number, Row, Table
 
@@ -116,9 +110,9 @@ class Workspace(Result):
     def tables(self) -> dict[str, Table]:
         """Return the layers, the azimuthal symmetry and the change with height."""
         return {
-            "-layers": region_table(self.map, self.shown),
-            "-symmetry": symmetry_table(self.fine, self.shown),
-            "-height": height_table(self.fine, self.shown),
+            "-layers": checks.region_table(self.map, self.shown),
+            "-symmetry": checks.symmetry_table(self.fine, self.shown),
+            "-height": checks.height_table(self.fine, self.shown),
         }
 
     def figures(self) -> dict[str, Figure]:
@@ -136,7 +130,7 @@ class Workspace(Result):
 
     def sentences(self) -> list[str]:
         """Return the region and the paper's two statements in plain sentences."""
-        region, *statements = verdicts(self.fine, self.shown)
+        region, *statements = checks.verdicts(self.fine, self.shown)
         return [region, *(f"{line} ({label(self.map.answers.model)})" for line in statements)]
 
     def rows(self) -> list[dict[str, Any]]:
@@ -175,7 +169,7 @@ class PlaneMap(Result):
         nearest = f"nearest end, {1000 * ends.min():.2f} mm away: {met}"
         title = f"{plane.case.name} over {' and '.join(plane.names)}: {model}"
         heads = ("Mode", "", "f [Hz]", *headings(shown))
-        return {"": Table(title, heads, rows, (limits_said(*held), nearest, ORDER))}
+        return {"": Table(title, heads, rows, (limits_said(*held), nearest, checks.ORDER))}
 
     def figures(self) -> dict[str, Figure]:
         """Return contours, a panel a mode, each with its own scale; none without an answer."""
