@@ -275,7 +275,7 @@ def test_memory_does_not_grow_with_the_poses(
         "open('/proc/self/status').read().split('VmHWM:')[1].split()[0]))"
     )
     used = []
-    for count in (160_000, 260_000):  # with fewer DuckDB's own 32 MB fill
+    for count in (240_000, 340_000):  # with fewer DuckDB's own 32 MB fill
         output = str(tmp_path / str(count))
         given = ("--poses", f"random:{count}", "--models", "euler-bernoulli@exact")
         status, out, err = ended(started(*given, "--output", output, before=peak))
