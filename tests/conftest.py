@@ -1,5 +1,6 @@
 """Shared by all tests: processes, one BLAS thread, and the poses everything is checked at."""
 
+import signal
 from collections.abc import Callable
 
 import numpy as np
@@ -14,6 +15,9 @@ settings.register_profile("bench", deadline=None)
 settings.load_profile("bench")
 _limits = one_thread()
 _limits.__enter__()
+# A shell that runs the tests in the background has them ignore Ctrl-C, and so all that they start.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
