@@ -2,18 +2,19 @@
 
 __version__ = "0.1.0"
 
-from analytic.condensed import Condensed, condensed_frequencies
+from analytic.condensed import condensed_frequencies
+from analytic.condensed_model import Condensed
 from analytic.continuum import Continuum
 from analytic.errors import InputError, NotCertifiedError
 from analytic.joint import Freedom, Joint
-from analytic.kinematics import Limbs, limbs_at
+from analytic.kinematics import Limbs, limbs_at, position
 from analytic.mechanism import Limb, Mechanism
 from analytic.model import Info, Model
 from analytic.modes import STATIONS, Modes
 from analytic.multipliers import Multipliers
 from analytic.platform import Platform
 from analytic.plausible import UnlikelyWarning, unlikely
-from analytic.pose import Pose, position
+from analytic.pose import Pose
 from analytic.regular_workspace import RegularWorkspace, regular_workspace
 from analytic.rod import Body, Link, Material, Rod, Section
 from analytic.sensitivity import frequency_sensitivities

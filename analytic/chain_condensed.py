@@ -12,6 +12,7 @@ from analytic.limb_core import Core
 from analytic.mechanism import Mechanism
 from analytic.placed import place
 from analytic.pose import Pose
+from analytic.roots import solve
 from analytic.theory import Theory
 
 Floats = NDArray[np.float64]
@@ -136,8 +137,6 @@ class _Tables:
 
 
 def _lowest(problem: ChainReduced, alone: Floats, count: int) -> tuple[Floats, NDArray[np.bool_]]:
-    from analytic.condensed import solve  # which begins here for limbs of any chain
-
     N = len(alone)
     omega2, good = np.full((N, count), np.inf), np.ones(N, dtype=bool)
     try:

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analytic import certified, single
-from analytic.correction import BESIDE, CLOSE, FAINT, GRADED, MOST_STEPS, SAFETY, Problem, corrected
+from analytic import certified, chain_condensed, single
 from analytic.dynamic_stiffness import torsion_eigenvalues
 from analytic.errors import InputError
 from analytic.errors import count as whole
-from analytic.kernel import USUAL, compiled
+from analytic.kernel import compiled
 from analytic.kinematics import limbs_at
 from analytic.mechanism import Mechanism
-from analytic.modes import Modes, check_count
+from analytic.modes import check_count
 from analytic.pose import Pose, check_poses
-from analytic.reduced import Constants, Floats, Reduced, constants, first_level, geometry, reduced
-from analytic.theory import OfTheory, Theory
+from analytic.reduced import Constants, Floats, constants, first_level, geometry, reduced
+from analytic.roots import Loop, solve
+from analytic.theory import Theory
 from analytic.wittrick_williams import Characteristic
-
-Loop = Callable[..., Any]
 
 CHUNK = 700
 """Poses solved at once: what fits into the processor's cache, twice as many where a compiled loop
 has few arrays of all of them."""
-AGREED = 1e-9
-"""How far, relative, frequencies may be from those of the model they are condensed from."""
 WORTHWHILE = 200_000
 """Poses from which on the compiled loop repays the seconds that it takes to load."""
 MOST_ELEMENTS = 1_000_000
@@ -41,69 +33,6 @@ MOST_POLES = 12
 are beyond the tables' range."""
 LEVELS = 6
 """Most limb modes a bending direction before a pose is left to certified bisection."""
-
-
-@dataclass(frozen=True)
-class Condensed(OfTheory):
-    """The models that `condensed_frequencies` condenses, as one more model.
-
-    `elements` a limb, or None for exact limbs; `beam` and `shear` choose the theory (see `Theory`);
-    `fast`: the compiled loop, as in `condensed_frequencies`.
-    Raises `InputError` for unknown names or fewer than one element.
-    """
-
-    elements: int | None = None
-    beam: str = "euler-bernoulli"
-    shear: str | float = "cowper"
-    fast: bool | None = None
-
-    def __post_init__(self) -> None:
-        if self.elements is not None:
-            whole("elements", self.elements, at_most=MOST_ELEMENTS)
-        super().__post_init__()
-
-    def frequencies(self, mechanism: Mechanism, poses: Pose, count: int = 6) -> Floats:
-        """Return the `count` lowest frequencies [Hz] at every pose, shape (*poses.shape, count)."""
-        return condensed_frequencies(
-            mechanism,
-            poses,
-            self.elements,
-            beam=self.beam,
-            shear=self.shear,
-            count=count,
-            fast=self.fast,
-        )
-
-    def modes(self, mechanism: Mechanism, pose: Pose, count: int = 6) -> Modes:
-        """Return the `count` lowest modes at one pose, with the shapes of the model condensed.
-
-        Raises `InputError` for a pose out of reach, and `ArithmeticError` where that model's own
-        frequencies differ by more than 1e-9.
-        """
-        from analytic.continuum import Continuum  # which takes its frequencies from here
-        from analytic.substructure import Substructure
-
-        begin = time.perf_counter()
-        found = self.frequencies(mechanism, pose, count)
-        solved = time.perf_counter()
-        full = (
-            Continuum(self.beam, self.shear)
-            if self.elements is None
-            else Substructure(self.elements, self.beam, self.shear)
-        ).modes(mechanism, pose, count)
-        apart = np.abs(found - full.frequencies)
-        if (apart > AGREED * full.frequencies).any():
-            raise ArithmeticError(
-                f"condensed frequencies differ from the full model's by {apart.max():.1e} Hz"
-            )
-        return replace(
-            full,
-            frequencies=found,
-            model="condensed",
-            version="rps-bench, condensed",
-            build_seconds=time.perf_counter() - solved,
-            solve_seconds=solved - begin,
-        )
 
 
 def condensed_frequencies(
@@ -140,9 +69,7 @@ def condensed_frequencies(
         )
     count = check_count(count, available)
     if not mechanism.simple:
-        from analytic.chain_condensed import condensed  # which no paper's limb needs
-
-        return condensed(mechanism, poses, theory, elements, count)
+        return chain_condensed.condensed(mechanism, poses, theory, elements, count)
     known = constants(mechanism, theory)
     size = math.prod(poses.shape)
     loop = _loop(size, fast)
@@ -281,74 +208,3 @@ def tabulated(
         if not left.size:
             break
     return values, left
-
-
-def solve(
-    problem: Problem, count: int, loop: Loop | None, quick: bool = False
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return omega^2 (N, count), and where they are certain to be the lowest, (N,).
-
-    `quick`: what all poses take; those that ask for more are not certain.
-    """
-    N = len(problem.lengths)
-    if loop is None:
-        chord = problem.chord()
-        start, motion = problem.pencil(chord.P, chord.slope)
-        found, settled = corrected(problem, chord, start, motion, count, quick)
-        told, below = problem.told(chord.P, start[:, :count], motion), None
-    else:
-        assert isinstance(problem, Reduced)
-        told = np.ones(N, dtype=bool)
-        start, found = np.empty((N, 6 + problem.poles.shape[1])), np.empty((N, count))
-        settled, below = np.empty(N, dtype=bool), np.empty(N, dtype=np.int64)
-        poles = problem.poles, problem.residues, problem.owner
-        smooth = problem.powers, problem.stiffness, problem.caps
-        stops = problem.converged, SAFETY, MOST_STEPS, BESIDE, FAINT
-        sizes = len(problem.powers), problem.vectors.shape[1], problem.poles.shape[1], count
-        usual = True if sizes == USUAL else None
-        loop(problem.vectors, *poles, *smooth, *stops, usual, start, found, settled, below)
-    found = np.where(settled[:, None], found, start[:, :count])
-    inside = found[:, -1] * (1 + CLOSE) < problem.limit
-    inside &= told
-    poor = inside & ~settled
-    if quick:
-        inside &= settled
-    elif poor.any():
-        found[poor] = _by_rank(problem[poor], start[poor, :count])
-        below = None
-    inside &= found[:, 0] > GRADED * start[:, -1]
-    return found, inside & _certain(problem, found, below)
-
-
-def _by_rank(problem: Problem, guess: Floats) -> Floats:
-    """Return the roots by rank: the k-th eigenvalue of the matrix frozen at the k-th root itself.
-
-    Newton's iteration on each, safe for roots that (nearly) repeat.
-    """
-    N, count = guess.shape
-    every = problem[np.repeat(np.arange(N), count)]
-    rank, value = np.tile(np.arange(count), N), guess.ravel().copy()
-    for _ in range(8):
-        P, slope = every.tangent(np.minimum(value, every.limit))
-        previous = value
-        value = every.pencil(P, slope)[0][np.arange(len(rank)), rank]
-        if (np.abs(value - previous) < problem.converged * value).all():
-            break
-    return value.reshape(N, count)
-
-
-def _certain(problem: Problem, found: Floats, below: NDArray[np.int64] | None) -> NDArray[np.bool_]:
-    """Say where the last root has the rank it should have among all modes, (N,).
-
-    As many modes below it (`below`, counted here if None) as were found proves that none was
-    missed, for those found differ: their vectors are all but orthogonal. Where it repeats and more
-    lie below, fewer must lie just before it.
-    """
-    count = found.shape[1]
-    if below is None:
-        below = problem.below(found[:, -1] * (1 + BESIDE))
-    certain = below == count
-    more = below > count
-    if more.any():
-        certain[more] = problem[more].below(found[more, -1] * (1 - BESIDE)) < count
-    return np.asarray(certain)

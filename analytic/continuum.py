@@ -130,6 +130,14 @@ class Continuum(OfTheory):
         return characteristic(mechanism, one_pose(mechanism, pose), self.theory)
 
 
+class HasLimit(OfTheory):
+    """A model of a beam theory, which the exact one of the same theory tells the truth of."""
+
+    def limit(self) -> Continuum:
+        """Return the exact model of the same theory."""
+        return Continuum(self.beam, self.shear)
+
+
 def _solved(
     problem: Characteristic, known: Constants, count: int
 ) -> tuple[Floats, tuple[Floats, ...]]:

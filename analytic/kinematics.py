@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.mechanism import Mechanism
-from analytic.placed import place
+from analytic.placed import place, placed_where
 from analytic.placed import position as chain_position
-from analytic.pose import CLOSURE, Closure, Pose, Triple, check_poses, closed, held, parts
+from analytic.pose import CLOSURE, Closure, Pose, Triple, check_poses, closed, held, parts, tried
 
 Array = NDArray[Any]
 """Real, or complex where a derivative is taken by complex step."""
@@ -153,3 +153,26 @@ _NEXT, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 def _cross(a: Array, b: Array) -> Array:
     first = a.take(_NEXT, axis=-1) * b.take(_AFTER, axis=-1)
     return np.asarray(first - a.take(_AFTER, axis=-1) * b.take(_NEXT, axis=-1))
+
+
+def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
+    """Return o in the global frame, shape (*pose.shape, 3) [m]: Eq. (2) for any mechanism.
+
+    For limbs 120 degrees apart that is Eq. (2) as printed, x = r2 (cos theta - 1) cos(2 phi) / 2
+    and y = r2 (1 - cos theta) sin(2 phi) / 2, about the first (see `closure`).
+    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
+    """
+    check_poses(mechanism, pose)
+    if not mechanism.simple:
+        return chain_position(mechanism, pose)
+    return closed(mechanism, pose).centre
+
+
+def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
+    """Return where limbs can be placed: all joints close, shape pose.shape."""
+    if isinstance(mechanism, Mechanism) and not mechanism.simple:
+        return placed_where(mechanism, pose)[1]
+    found = tried(mechanism, pose)
+    lengths = np.linalg.norm(found.vectors, axis=-1)
+    good = (np.abs(found.off_plane) <= CLOSURE) & (lengths > CLOSURE)
+    return np.asarray(good.all(axis=-1))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from analytic.condensed import Condensed
+from analytic.condensed_model import Condensed
 from analytic.continuum import Continuum
 from analytic.errors import InputError
 from analytic.model import Info, Model

@@ -265,7 +265,7 @@ def closed(mechanism: Mechanism, pose: Pose) -> Closure:
     Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i, and for a
     limb more slender than is answered.
     """
-    found = _closure(mechanism, pose)
+    found = tried(mechanism, pose)
     off_plane, squares = np.abs(found.off_plane), dot(found.vectors, found.vectors)
     beside, gone = off_plane > CLOSURE, squares <= CLOSURE**2
     if beside.any():
@@ -282,34 +282,8 @@ def closed(mechanism: Mechanism, pose: Pose) -> Closure:
     return found
 
 
-def position(mechanism: Mechanism, pose: Pose) -> NDArray[np.float64]:
-    """Return o in the global frame, shape (*pose.shape, 3) [m]: Eq. (2) for any mechanism.
-
-    For limbs 120 degrees apart that is Eq. (2) as printed, x = r2 (cos theta - 1) cos(2 phi) / 2
-    and y = r2 (1 - cos theta) sin(2 phi) / 2, about the first (see `closure`).
-    Raises `InputError` where an A_i leaves its revolute joint's plane, or meets its B_i.
-    """
-    check_poses(mechanism, pose)
-    if not mechanism.simple:
-        from analytic import placed  # which needs the poses
-
-        return placed.position(mechanism, pose)
-    return closed(mechanism, pose).centre
-
-
-def closes(mechanism: Mechanism, pose: Pose) -> NDArray[np.bool_]:
-    """Return where limbs can be placed: all joints close, shape pose.shape."""
-    if isinstance(mechanism, Mechanism) and not mechanism.simple:
-        from analytic import placed  # which needs the poses
-
-        return placed.placed_where(mechanism, pose)[1]
-    found = _closure(mechanism, pose)
-    lengths = np.linalg.norm(found.vectors, axis=-1)
-    good = (np.abs(found.off_plane) <= CLOSURE) & (lengths > CLOSURE)
-    return np.asarray(good.all(axis=-1))
-
-
-def _closure(mechanism: Mechanism, pose: Pose) -> Closure:
+def tried(mechanism: Mechanism, pose: Pose) -> Closure:
+    """Return Eqs. (2) and (3) of the paper's limbs, whether joints close or not."""
     check_poses(mechanism, pose)
     if any(mechanism.platform.centre):
         centre = mechanism.platform.centre

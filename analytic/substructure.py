@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from analytic import assembly
 from analytic.chain_models import element_modes
 from analytic.chains import MOST_ELEMENTS, Chains, chains, rigid_arms, turning
+from analytic.condensed import condensed_frequencies
+from analytic.continuum import HasLimit
 from analytic.eigen import hertz, lowest_modes, lowest_values, refined
 from analytic.errors import InputError, NotCertifiedError
 from analytic.errors import count as whole
@@ -25,7 +27,6 @@ from analytic.lanczos import is_sparse
 from analytic.mechanism import Mechanism
 from analytic.modes import Modes, check_count
 from analytic.pose import Pose, check_poses, one_pose
-from analytic.theory import OfTheory
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ EXACT = 8
 
 
 @dataclass(frozen=True)
-class Substructure(OfTheory):
+class Substructure(HasLimit):
     """Eqs. (4)-(24) with `elements` s a limb.
 
     `beam` and `shear` choose the theory (see `Theory`; the paper: Euler-Bernoulli). `solver` is
@@ -63,8 +64,6 @@ class Substructure(OfTheory):
         """
         check_poses(mechanism, poses)
         if poses.shape:
-            from analytic.condensed import condensed_frequencies
-
             return condensed_frequencies(
                 mechanism, poses, self.elements, beam=self.beam, shear=self.shear, count=count
             )

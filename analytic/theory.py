@@ -1,17 +1,11 @@
 """Which beam theory a model assumes, and the shear coefficient that goes with it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from analytic import __version__
 from analytic.errors import InputError, number
 from analytic.mechanism import Material, Mechanism, Rod
 from analytic.model import Info
-
-if TYPE_CHECKING:
-    from analytic.continuum import Continuum
 
 BEAMS = {
     "euler-bernoulli": "Euler-Bernoulli",
@@ -115,9 +109,3 @@ class OfTheory:
     def info(self) -> Info:
         """Return what the model is."""
         return self.theory.info()
-
-    def limit(self) -> Continuum | None:
-        """Return the exact model of the same theory."""
-        from analytic.continuum import Continuum  # which is one of these models
-
-        return Continuum(self.beam, self.shear)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analytic.errors import InputError, count, number
-from analytic.kinematics import limbs_at
+from analytic.kinematics import closes, limbs_at
 from analytic.mechanism import Joint, Link, Mechanism, Rod
 from analytic.placed import placed_where
-from analytic.pose import Pose, check_poses, closes
+from analytic.pose import Pose, check_poses
 
 Floats = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from analytic import InputError, Mechanism, Modes, Pose
+from analytic.kinematics import closes
 from analytic.model import Model
-from analytic.pose import closes
 from harness.bench import Bench, label
 from harness.case import Case
 from harness.signatures import Array

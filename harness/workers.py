@@ -5,9 +5,7 @@ and the environment is set before numpy is imported. It leads a process group an
 folder of its own; both end with it, whatever the model in it has started or left there.
 """
 
-import gc
 import io
-import math
 import os
 import pickle
 import platform
@@ -16,13 +14,10 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import Pipe
-from multiprocessing.connection import Connection
 from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
@@ -125,7 +120,7 @@ class Child:
         python = launcher or [sys.executable]
         with theirs:
             self._process = subprocess.Popen(
-                [*python, "-P", "-m", "harness.workers", str(theirs.fileno())],
+                [*python, "-P", "-m", "harness.child", str(theirs.fileno())],
                 pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -300,46 +295,3 @@ def _alive(process: int) -> bool:
 def _path() -> str:
     """Return where this process finds modules: the child starts in another folder."""
     return os.pathsep.join(str(Path(entry).resolve()) for entry in sys.path if entry)
-
-
-def _end_with(parent: int) -> None:
-    """End this process and all it started once `parent` has gone: nobody would wait for it."""
-    while os.getppid() == parent:
-        time.sleep(LOOK)
-    os.kill(os.getpid(), signal.SIGTERM)
-    time.sleep(GRACE)
-    end_all_of(os.environ["TMPDIR"])
-    os.killpg(0, signal.SIGKILL)
-
-
-def serve(line: Connection) -> None:
-    """Solve the tasks that come down `line`, one after the other, as long as there is a parent."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
-    gc.set_threshold(100_000)  # libraries are no garbage
-    import harness.bench  # noqa: F401  what every task needs: before it is ready
-    from reference_models.catalogue import ask
-
-    ask(None)  # this is the process that models are loaded in
-
-    with line, suppress(EOFError, BrokenPipeError):
-        line.send("ready")
-        while True:
-            task, limit = line.recv()
-            # A model that holds the interpreter cannot be watched from a thread.
-            signal.alarm(math.ceil(limit) + 1)
-            reply = attempt(task)
-            signal.alarm(0)
-            try:
-                line.send(reply)
-            except (EOFError, BrokenPipeError):
-                raise
-            except Exception as error:  # an answer that cannot be pickled is none
-                line.send(Failure(f"its answer cannot be handed over ({error})"))
-
-
-if __name__ == "__main__":
-    # By the module's own name: what it sends is looked up under it at the other end.
-    from harness import workers
-
-    workers.serve(Connection(int(sys.argv[1])))

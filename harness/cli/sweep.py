@@ -67,7 +67,8 @@ def sweep(
         from harness.case_file import load_cases
         from harness.cases import select
         from harness.cli.terminal import Bar, Written, show_tables
-        from harness.sweep.engine import Patience, engine
+        from harness.sweep.cluster import engine
+        from harness.sweep.engine import Patience
         from harness.sweep.jobs import NAME, Journal, Sweep
         from harness.sweep.pose_sets import pose_set
         from harness.sweep.sweep import carry_out, estimate

@@ -1,9 +1,9 @@
-"""The jobs of a sweep on a Dask cluster: one that is reached, has workers, and keeps both."""
+"""Where jobs run: here, or on a Dask cluster that is reached, has workers, and keeps both."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import closing, contextmanager, suppress
 from threading import Thread
 from time import monotonic
 from typing import Any
@@ -99,6 +99,25 @@ class Cluster(Engine):
         """Let go of the cluster; what it still holds of this run is dropped."""
         with suppress(OSError):
             _within(REACH, self._client.close)
+
+
+@contextmanager
+def engine(
+    cores: int,
+    scheduler: str | None,
+    patience: Patience,
+    children: Children | None = None,
+) -> Iterator[Engine]:
+    """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
+
+    `children`: its processes, some of which may have been started already.
+    """
+    if scheduler is None:
+        chosen = Engine(cores, patience, children or Children())
+    else:
+        chosen = Cluster(scheduler, patience)
+    with closing(chosen):
+        yield chosen
 
 
 def _within(seconds: float, call: Callable[[], Any]) -> Any:

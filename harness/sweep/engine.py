@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager
 from queue import Empty, SimpleQueue
 from threading import Lock
 from typing import Any, NamedTuple, TypeVar
@@ -94,24 +93,3 @@ class Engine:
         self._threads.shutdown(wait=False, cancel_futures=True)
         self._children.close()
         self._threads.shutdown()
-
-
-@contextmanager
-def engine(
-    cores: int,
-    scheduler: str | None,
-    patience: Patience,
-    children: Children | None = None,
-) -> Iterator[Engine]:
-    """Yield a cluster at the `scheduler`'s address, or else `cores` of this machine.
-
-    `children`: its processes, some of which may have been started already.
-    """
-    if scheduler is None:
-        chosen = Engine(cores, patience, children or Children())
-    else:
-        from harness.sweep.cluster import Cluster
-
-        chosen = Cluster(scheduler, patience)
-    with closing(chosen):
-        yield chosen

@@ -17,7 +17,8 @@ from harness.cases import select
 from harness.history.duck import connect, quoted
 from harness.output import write_all
 from harness.result import Result
-from harness.sweep.engine import Patience, engine, run
+from harness.sweep.cluster import engine
+from harness.sweep.engine import Patience, run
 from harness.sweep.error_map import compare
 from harness.sweep.jobs import Job, Journal, Sweep, program_of
 from harness.sweep.pose_sets import pose_set

@@ -16,6 +16,7 @@ from analytic import (
     certified,
     condensed,
     condensed_frequencies,
+    roots,
 )
 from analytic.kernel import compiled
 from analytic.theory import Theory
@@ -161,7 +162,7 @@ def test_what_fails_the_count_is_solved_by_bisection(robot, workspace_poses, mon
     poses = workspace_poses(4, 25)
     expected = condensed_frequencies(robot, poses)
     monkeypatch.setattr(
-        condensed, "_certain", lambda problem, *rest: np.zeros(len(problem.lengths), dtype=bool)
+        roots, "_certain", lambda problem, *rest: np.zeros(len(problem.lengths), dtype=bool)
     )
     np.testing.assert_allclose(condensed_frequencies(robot, poses), expected, rtol=1e-9)
 
@@ -169,7 +170,7 @@ def test_what_fails_the_count_is_solved_by_bisection(robot, workspace_poses, mon
 @pytest.mark.parametrize("fault", ["missed", "doubled"])
 def test_the_count_notices_a_wrong_mode(robot, workspace_poses, monkeypatch, fault):
     """Let the first attempt miss its third mode, or find it twice: the answer is still right."""
-    poses, solve = workspace_poses(4, 26), condensed._certain
+    poses, solve = workspace_poses(4, 26), roots._certain
     expected = condensed_frequencies(robot, poses, count=5)
     sixth = (2 * np.pi * condensed_frequencies(robot, poses, count=6)[:, -1]) ** 2
     attempts = []
@@ -183,7 +184,7 @@ def test_the_count_notices_a_wrong_mode(robot, workspace_poses, monkeypatch, fau
         attempts.append(solve(problem, found, None))
         return attempts[-1]
 
-    monkeypatch.setattr(condensed, "_certain", lossy)
+    monkeypatch.setattr(roots, "_certain", lossy)
     np.testing.assert_allclose(condensed_frequencies(robot, poses, count=5), expected, rtol=1e-9)
     assert not attempts[0].any()
 

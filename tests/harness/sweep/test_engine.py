@@ -16,7 +16,8 @@ import pytest
 
 from analytic import Mechanism, Pose, condensed_frequencies
 from analytic.model import Model
-from harness.sweep.engine import AHEAD, Engine, Patience, engine, run
+from harness.sweep.cluster import engine
+from harness.sweep.engine import AHEAD, Engine, Patience, run
 from harness.sweep.jobs import BATCH, Answer, Job, Sweep
 from harness.workers import Children, Failure
 from reference_models import Named

@@ -116,7 +116,7 @@ def test_a_cluster_whose_workers_are_killed_leaves_every_row_once(slow_sweep: An
             workers = [
                 other
                 for other in dask.children(recursive=True)
-                if ("harness.workers" in other.cmdline()) == of_harness
+                if ("harness.child" in other.cmdline()) == of_harness
                 and (of_harness or any("spawn_main" in word for word in other.cmdline()))
             ]
             workers[0].kill()
