@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.typing import NDArray
 
 from analytic.chain_models import DENSE
 from analytic.chain_multipliers import free_bodies
@@ -20,8 +19,6 @@ from analytic.theory import Theory
 from analytic.work import Work, dense, null_space_work, saddle_point_work, sparse_work
 
 FORMULATIONS = ("paper", "null-space", "saddle-point")
-
-Pattern = NDArray[np.bool_]
 
 
 def chain_work(
